@@ -1,0 +1,6 @@
+"""The ragvlm command line."""
+
+
+def main() -> None:
+    """Entry point."""
+    raise SystemExit("not built yet")
