@@ -1,0 +1,355 @@
+"""Oracle perception: the same percept as the pixel pipeline's, read from the simulator's truth.
+
+It exists to measure everything downstream of perception alone, and whatever it makes carries `perception="oracle"`.
+It is the only perceiver that may import the scene's truth; poses come from the world as it is now.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.base import Vec3
+from kb.percept import Part, PerceivedObject, Percept, Shape, pack_surface
+from kb.rgbd import RgbdView
+from kb.vocabulary import ObjectState, PerceptionName
+from sim.placed import Geom, PlacedObject, PlacedScene
+from tools.perceive import PerceiveArgs
+from tools.perception.colour import colour_name
+from tools.perception.track_ids import track_ids
+from tools.perception.upright_box import UprightBox, box_at, smallest_yaw
+
+Array = NDArray[np.float64]
+
+POINTS_PER_OBJECT = 1500
+"""Surface samples per object before hidden ones are dropped; `pack_surface` keeps at most 600."""
+
+ON_PIXEL = 0.012
+"""A pixel belongs to an object if its point is nearer than this to a surface sample [m] (noise plus sample spacing)."""
+
+
+class TrueWorld(Protocol):
+    """What the oracle reads: the placed scene, and MuJoCo's data with one body per object id."""
+
+    @property
+    def placed(self) -> PlacedScene: ...
+
+    @property
+    def data(self) -> Any: ...
+
+
+class Embeds(Protocol):
+    """The embedder's one method."""
+
+    def embed(
+        self, rgb: NDArray[np.uint8], mask: NDArray[np.bool_], depth: NDArray[np.float32] | None
+    ) -> NDArray[Any]: ...
+
+
+class OraclePerceiver:
+    """Reports every object of the world exactly as it is."""
+
+    name: PerceptionName = "oracle"
+
+    def __init__(self, world: TrueWorld, embedder: Embeds | None = None) -> None:
+        self._world = world
+        self._embedder = embedder
+        self._shapes = {obj.id: _surface_in_object(obj) for obj in world.placed.objects if not obj.fixed}
+
+    def perceive(self, views: tuple[RgbdView, ...], args: PerceiveArgs) -> Percept:
+        """All free objects of the world; `views` serve the visual embedding and the visible fraction only."""
+        placed = [obj for obj in self._world.placed.objects if not obj.fixed]
+        poses = {obj.id: self._pose(obj.id) for obj in placed}
+        surfaces = {obj.id: self._shapes[obj.id] @ poses[obj.id][1].T + poses[obj.id][0] for obj in placed}
+        boxes = {obj.id: true_box(obj, surfaces[obj.id], poses[obj.id][1]) for obj in placed}
+        seen = [self._describe(obj, poses[obj.id], surfaces, boxes, views) for obj in placed]
+        return Percept(look=args.look, perception="oracle", objects=track_ids(seen, args.previous))
+
+    def _pose(self, object_id: str) -> tuple[Array, Array]:
+        """True position (3,) [m] and rotation object-to-world (3, 3) now."""
+        body = self._world.data.body(object_id)
+        return np.array(body.xpos, float), np.array(body.xmat, float).reshape(3, 3)
+
+    def _describe(
+        self,
+        obj: PlacedObject,
+        pose: tuple[Array, Array],
+        surfaces: dict[str, Array],
+        boxes: dict[str, UprightBox],
+        views: tuple[RgbdView, ...],
+    ) -> PerceivedObject:
+        box, surface = boxes[obj.id], surfaces[obj.id]
+        others = np.concatenate([s for key, s in surfaces.items() if key != obj.id] or [np.empty((0, 3))])
+        position = _vec(box.centre)
+        colour = _vec(np.asarray(max(obj.geoms, key=lambda geom: geom.mass).rgba[:3]))
+        front = next((view for view in views if view.name == "front"), None)
+        return PerceivedObject(
+            id=obj.id,
+            category=obj.category,
+            confidence=1.0,
+            posterior={obj.category: 1.0},
+            position=position,
+            yaw=box.yaw,
+            size=_vec(box.size),
+            shape=_shape_of(obj, box),
+            affordance=obj.affordance,
+            state=self._state(obj, box, boxes),
+            transparent=obj.transparent,
+            colour=colour,
+            colour_name=colour_name(colour),
+            mass=(obj.mass, obj.mass),
+            friction=(obj.friction, obj.friction),
+            parts=tuple(_move_part(part, *pose) for part in obj.parts),
+            visible_fraction=1.0 if front is None else _visible_fraction(surface, others, front),
+            embedding=self._embed(surface, views),
+            surface=pack_surface(surface[_outside_first(surface, box)], position),
+        )
+
+    def _state(self, obj: PlacedObject, box: UprightBox, boxes: dict[str, UprightBox]) -> ObjectState:
+        """Stacked if it rests on another object now; filled if it was filled and still stands."""
+        base = box.centre[2] - box.size[2] / 2
+        for other_id, other in boxes.items():
+            top = other.centre[2] + other.size[2] / 2
+            above = np.all(np.abs(other.local(box.centre[None])[0, :2]) <= other.size[:2] / 2 + 0.005)
+            if other_id != obj.id and above and base > 0.01 and abs(base - top) < 0.01:
+                return "stacked"
+        upright = self._pose(obj.id)[1][2, 2] > 0.7
+        return "filled" if obj.state == "filled" and upright else "empty"
+
+    def _embed(self, surface: Array, views: tuple[RgbdView, ...]) -> tuple[float, ...]:
+        front = next((view for view in views if view.name == "front"), None)
+        if self._embedder is None or front is None:
+            return ()
+        mask = _mask(surface, front)
+        if not mask.any():
+            return ()
+        return tuple(float(value) for value in self._embedder.embed(front.rgb, mask, front.depth))
+
+
+def true_box(obj: PlacedObject, surface_w: Array, rotation: Array) -> UprightBox:
+    """The upright box of an object from its true surface (N, 3), world frame.
+
+    The object's own axis counts where its box is within 2 % of the smallest (round things have no other yaw).
+    """
+    own = box_at(surface_w, float(np.arctan2(rotation[1, 0], rotation[0, 0])))
+    if np.hypot(rotation[0, 0], rotation[1, 0]) > 0.9 and own.size[0] * own.size[1] > 0:
+        yaw, area = smallest_yaw(surface_w)
+        return own if own.size[0] * own.size[1] <= 1.02 * area else box_at(surface_w, yaw)
+    return box_at(surface_w, smallest_yaw(surface_w)[0])
+
+
+def _surface_in_object(obj: PlacedObject) -> Array:
+    """Samples of the union's surface in the object's frame (N, 3); points inside another piece are dropped."""
+    areas = np.array([_area(geom) for geom in obj.geoms])
+    shares = np.maximum(40, (POINTS_PER_OBJECT * areas / areas.sum())).astype(int)
+    clouds: list[Array] = []
+    for i, (geom, count) in enumerate(zip(obj.geoms, shares, strict=True)):
+        points = _sample(geom, int(count)) @ rotation_of(geom.quaternion).T + np.asarray(geom.position)
+        inside = np.zeros(len(points), bool)
+        for j, other in enumerate(obj.geoms):
+            if i != j:
+                inside |= _inside(other, points)
+        clouds.append(points[~inside])
+    return np.concatenate(clouds)
+
+
+def rotation_of(quaternion: tuple[float, float, float, float]) -> Array:
+    """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = np.asarray(quaternion, float) / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _sphere_points(count: int) -> Array:
+    """Evenly spread unit vectors (count, 3): a Fibonacci spiral."""
+    i = np.arange(count) + 0.5
+    z = 1 - 2 * i / count
+    turn = np.pi * (1 + 5**0.5) * i
+    r = np.sqrt(1 - z * z)
+    return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
+
+
+def _area(geom: Geom) -> float:
+    if geom.type == "mesh" and geom.vertices is not None:
+        x, y, z = np.ptp(geom.vertices, axis=0)
+        return float(2 * (x * y + y * z + z * x))
+    s = geom.size
+    if geom.type == "box":
+        return 8 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0])
+    if geom.type in ("cylinder", "capsule"):
+        return 2 * np.pi * s[0] * (2 * s[1] + s[0] * (2 if geom.type == "capsule" else 1))
+    return 4 * np.pi * max(s) ** 2
+
+
+def _sample(geom: Geom, count: int) -> Array:
+    """Even samples of one piece's surface in its own frame (about `count`, 3)."""
+    if geom.type == "mesh" and geom.vertices is not None:
+        return _sample_hull(geom.vertices, count)
+    s = geom.size
+    if geom.type == "sphere":
+        return _sphere_points(count) * s[0]
+    if geom.type == "ellipsoid":
+        return _sphere_points(count) * np.asarray(s)
+    if geom.type == "capsule":
+        balls = _sphere_points(count) * s[0]
+        shaft = _tube(s[0], s[1], count // 2, caps=False)
+        return np.concatenate([balls + np.sign(balls[:, 2:]) * np.array([0, 0, s[1]]), shaft])
+    if geom.type == "cylinder":
+        return _tube(s[0], s[1], count, caps=True)
+    return _box_points(np.asarray(s, float), count)
+
+
+def _tube(radius: float, half: float, count: int, *, caps: bool) -> Array:
+    """Points on a cylinder's side, and on its two ends."""
+    pitch = np.sqrt(max(2 * np.pi * radius * 2 * half + 2 * np.pi * radius**2 * caps, 1e-9) / max(count, 1))
+    n_z, n_t = max(2, int(2 * half / pitch) + 1), max(12, int(2 * np.pi * radius / pitch))
+    z, t = np.meshgrid(np.linspace(-half, half, n_z), np.arange(n_t) * 2 * np.pi / n_t, indexing="ij")
+    side = np.column_stack([radius * np.cos(t).ravel(), radius * np.sin(t).ravel(), z.ravel()])
+    if not caps:
+        return side
+    n_disc = max(8, int(np.pi * radius**2 / pitch**2))
+    k = np.arange(n_disc) + 0.5
+    r, a = radius * np.sqrt(k / n_disc), np.pi * (1 + 5**0.5) * k
+    disc = np.column_stack([r * np.cos(a), r * np.sin(a), np.full(n_disc, half)])
+    return np.concatenate([side, disc, disc * [1, 1, -1]])
+
+
+def _box_points(half: Array, count: int) -> Array:
+    """A grid on each face of a box, edges included."""
+    area = 8 * (half[0] * half[1] + half[1] * half[2] + half[2] * half[0])
+    pitch = np.sqrt(max(area, 1e-9) / max(count, 1))
+    faces: list[Array] = []
+    for axis in range(3):
+        u, v = [i for i in range(3) if i != axis]
+        nu, nv = max(2, int(2 * half[u] / pitch) + 1), max(2, int(2 * half[v] / pitch) + 1)
+        gu, gv = np.meshgrid(np.linspace(-half[u], half[u], nu), np.linspace(-half[v], half[v], nv))
+        face = np.zeros((gu.size, 3))
+        face[:, u], face[:, v] = gu.ravel(), gv.ravel()
+        for sign in (-1, 1):
+            face[:, axis] = sign * half[axis]
+            faces.append(face.copy())
+    return np.concatenate(faces)
+
+
+def _sample_hull(vertices: Array, count: int) -> Array:
+    """Vertices of a convex piece and points on its hull, spread by area."""
+    from scipy.spatial import ConvexHull  # only the oracle, and only for meshes: not on the default path
+
+    hull = ConvexHull(vertices)
+    triangles = vertices[hull.simplices]
+    areas = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+    chosen = np.searchsorted(np.cumsum(areas), (np.arange(count) + 0.5) / count * areas.sum())
+    i = np.arange(count)
+    a, b = (i * 0.7548776662466927) % 1, (i * 0.5698402909980532) % 1  # the plastic number's low-discrepancy pair
+    flip = a + b > 1
+    a, b = np.where(flip, 1 - a, a), np.where(flip, 1 - b, b)
+    corner = triangles[np.minimum(chosen, len(triangles) - 1)]
+    inner = corner[:, 0] + a[:, None] * (corner[:, 1] - corner[:, 0]) + b[:, None] * (corner[:, 2] - corner[:, 0])
+    return np.concatenate([vertices[hull.vertices], inner])
+
+
+def _inside(geom: Geom, points: Array, slack: float = 1e-6) -> NDArray[np.bool_]:
+    """Which points (N, 3) of the object's frame lie strictly inside a piece."""
+    p = (points - np.asarray(geom.position)) @ rotation_of(geom.quaternion)
+    s = geom.size
+    if geom.type == "box":
+        return np.all(np.abs(p) < np.asarray(s) - slack, axis=1)
+    if geom.type == "sphere":
+        return (p**2).sum(1) < (s[0] - slack) ** 2
+    if geom.type == "ellipsoid":
+        return ((p / np.asarray(s)) ** 2).sum(1) < 1 - 1e-4
+    if geom.type == "cylinder":
+        return (np.hypot(p[:, 0], p[:, 1]) < s[0] - slack) & (np.abs(p[:, 2]) < s[1] - slack)
+    if geom.type == "capsule":
+        beyond = np.maximum(np.abs(p[:, 2]) - s[1], 0)
+        return p[:, 0] ** 2 + p[:, 1] ** 2 + beyond**2 < (s[0] - slack) ** 2
+    return np.zeros(len(points), bool)  # convex mesh pieces only touch one another
+
+
+def _outside_first(surface: Array, box: UprightBox) -> NDArray[np.intp]:
+    """Indices of the points that some look from above or from a side could show: all but the underside."""
+    return np.flatnonzero(surface[:, 2] > box.centre[2] - box.size[2] / 2 + 0.002)
+
+
+def _shape_of(obj: PlacedObject, box: UprightBox) -> Shape:
+    """Coarse family from the true pieces and extents."""
+    kinds = {geom.type for geom in obj.geoms}
+    longer, shorter, height = box.size
+    regions = {part.region for part in obj.parts}
+    if kinds == {"sphere"}:
+        return "sphere"
+    if height < 0.25 * shorter and height < 0.03:
+        return "plate"
+    if longer > 2.5 * shorter and height < 0.5 * longer:
+        return "bar"
+    if len(obj.geoms) == 1 and kinds <= {"box", "cylinder"}:
+        return "box" if kinds == {"box"} else "cylinder"
+    if "rim" in regions and height < 0.8 * shorter:
+        return "bowl"
+    return "compound"
+
+
+def _move_part(part: Part, position: Array, rotation: Array) -> Part:
+    """A part of the object's frame in the world frame."""
+    turned = None if part.outward is None else _vec(rotation @ np.asarray(part.outward))
+    return part.model_copy(
+        update={
+            "centre": _vec(rotation @ np.asarray(part.centre) + position),
+            "axis": _vec(rotation @ np.asarray(part.axis)),
+            "outward": turned,
+        }
+    )
+
+
+def project(points: Array, view: RgbdView) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, NDArray[np.bool_]]:
+    """Pixel column and row, depth [m] and whether inside the picture, of world points (N, 3)."""
+    pose = view.transform_camera_to_world
+    camera = (points - pose[:3, 3]) @ pose[:3, :3]
+    z = np.maximum(camera[:, 2], 1e-6)
+    cx, cy = view.centre
+    u = np.rint(camera[:, 0] / z * view.focal + cx).astype(np.intp)
+    v = np.rint(camera[:, 1] / z * view.focal + cy).astype(np.intp)
+    height, width = view.depth.shape
+    return u, v, z, (u >= 0) & (u < width) & (v >= 0) & (v < height) & (camera[:, 2] > 0)
+
+
+def _visible_fraction(surface: Array, others: Array, view: RgbdView, cell: int = 6) -> float:
+    """Share of the object's silhouette, in cells of `cell` pixels, that no other object hides."""
+    u, v, z, ok = project(surface, view)
+    u, v, z = u[ok] // cell, v[ok] // cell, z[ok]
+    mine: dict[tuple[int, int], float] = {}
+    for key, depth in zip(zip(u.tolist(), v.tolist(), strict=True), z.tolist(), strict=True):
+        mine[key] = min(depth, mine.get(key, 1e9))
+    if not mine:
+        return 0.0
+    hidden: set[tuple[int, int]] = set()
+    ou, ov, oz, ok = project(others, view)
+    for key, depth in zip(
+        zip((ou[ok] // cell).tolist(), (ov[ok] // cell).tolist(), strict=True), oz[ok].tolist(), strict=True
+    ):
+        if key in mine and depth < mine[key] - 0.005:
+            hidden.add(key)
+    return 1.0 - len(hidden) / len(mine)
+
+
+def _mask(surface: Array, view: RgbdView) -> NDArray[np.bool_]:
+    """Pixels whose measured point lies on the object: cells of samples with a like depth."""
+    mask = np.zeros(view.depth.shape, bool)
+    u, v, z, ok = project(surface, view)
+    height, width = mask.shape
+    for du in range(-2, 3):
+        for dv in range(-2, 3):
+            x, y = np.clip(u[ok] + du, 0, width - 1), np.clip(v[ok] + dv, 0, height - 1)
+            mask[y, x] |= np.abs(view.depth[y, x] - z[ok]) < ON_PIXEL
+    return mask
+
+
+def _vec(values: NDArray[Any]) -> Vec3:
+    return (float(values[0]), float(values[1]), float(values[2]))

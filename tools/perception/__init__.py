@@ -1,0 +1,1 @@
+"""From two RGB-D pictures to a `Percept`; knows calibration and reference statistics, never the scene's truth."""
