@@ -1,0 +1,123 @@
+"""Opens a scene as a physical world with a robot in it and an observer beside it.
+
+The agent gets from here only the robot and opaque bytes: what the world or the observer is like inside is not its
+business. `placed` and `world` are for the faces and the benchmark (pictures, videos, reports), never for tools or nodes.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from kb.errors import BadInputError, EnvironmentFaultError
+from kb.vocabulary import EvaluatorName, PerceptionName
+
+if TYPE_CHECKING:
+    from sim.placed import PlacedScene
+
+EVALUATORS: tuple[EvaluatorName, ...] = ("mujoco", "analytic")
+PERCEPTIONS: tuple[PerceptionName, ...] = ("rgbd", "oracle", "vlm")
+
+
+@dataclass
+class OpenedWorld:
+    """A world that is running: the robot to act with, and the observer that judges afterwards."""
+
+    scene: str
+    """Name of the scene."""
+    seed: int
+    evaluator: EvaluatorName
+    robot: Any
+    """`sim.robot.Robot` (or the analytic one): sensing and acting."""
+    observer: Any
+    """`sim.observer.Observer`: asked by `agent.run_result` after the graph has ended, by nobody before."""
+    placed: PlacedScene
+    """The truth; for faces and benchmark only."""
+    world: Any
+    """The physical truth; for pictures and videos only."""
+    reopen: Callable[[], OpenedWorld] = field(repr=False)
+    """Opens another world of the same scene and seed, for simulating what would have happened."""
+
+    @property
+    def motions(self) -> int:
+        """Number of motions begun so far; tells recordings apart."""
+        return int(self.world.attempt)
+
+    def snapshot(self) -> bytes:
+        """The whole physical state and what the observer has recorded, as opaque bytes."""
+        physics, observed = self.world.snapshot(), self.observer.state()
+        return zlib.compress(struct.pack("<qq", self.motions, len(physics)) + physics + observed, level=1)
+
+    def restore(self, blob: bytes) -> None:
+        """Continues exactly where `snapshot` was taken, bit for bit."""
+        raw = zlib.decompress(blob)
+        motions, length = struct.unpack_from("<qq", raw)
+        self.world.restore(raw[16 : 16 + length])
+        self.world.attempt = motions
+        self.observer.load(raw[16 + length :])
+
+
+def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", noise: float = 1.0) -> OpenedWorld:
+    """Draws the scene with its seed, compiles it, and puts the robot and the observer in.
+
+    Args:
+        scene: built-in name or path of a scene file.
+        seed: everything random in the world follows from it.
+        evaluator: "mujoco" for contact physics, "analytic" for the paper's kind of simulation.
+        noise: scale of the camera noise and of the uncertainty of friction and mass.
+
+    Raises:
+        BadInputError: unknown scene, evaluator, or a scene file that is not valid.
+    """
+    if evaluator not in EVALUATORS:
+        raise BadInputError(f"unknown evaluator {evaluator!r}", choices=EVALUATORS)
+    from sim.draw_scene import draw_scene
+    from sim.observer import Observer
+    from sim.scene_file import load_scene
+    from sim.world import World
+
+    spec = load_scene(scene)
+    placed = draw_scene(spec, seed) if noise == 1.0 else draw_scene(spec, seed, noise=noise)
+    world = World(placed)
+    observer = Observer(world)
+    if evaluator == "analytic":
+        from sim.analytic import AnalyticRobot
+
+        robot: Any = AnalyticRobot(world)
+    else:
+        from sim.robot import Robot
+
+        robot = Robot(world)
+    return OpenedWorld(
+        scene=placed.name,
+        seed=seed,
+        evaluator=evaluator,
+        robot=robot,
+        observer=observer,
+        placed=placed,
+        world=world,
+        reopen=lambda: open_world(scene, seed, evaluator=evaluator, noise=noise),
+    )
+
+
+def open_perceiver(name: PerceptionName, opened: OpenedWorld, embedder: Any) -> Any:
+    """The perceiver of that name; only "oracle" is shown the truth, and labels every percept so.
+
+    Raises:
+        BadInputError: unknown name.
+        EnvironmentFaultError: "vlm" where no vision-language model is configured.
+    """
+    if name == "rgbd":
+        from tools.perception import RgbdPerceiver
+
+        return RgbdPerceiver(embedder)
+    if name == "oracle":
+        from tools.oracle_perception import OraclePerceiver
+
+        return OraclePerceiver(opened.world)
+    if name == "vlm":
+        raise EnvironmentFaultError("perception 'vlm' needs a vision-language model", mend="use --perception rgbd")
+    raise BadInputError(f"unknown perception {name!r}", choices=PERCEPTIONS)
