@@ -102,6 +102,8 @@ class Correction(Noun):
     """Name of the rule, e.g. "slip: force x 1.2"."""
     changes: dict[GraspField, Finite | str | Vec3] = Field(default_factory=dict)
     """New values per field."""
+    offset: Vec3 = (0.0, 0.0, 0.0)
+    """Added to the position that is planned anew [m]: the lowering after a squeeze-out, or level 3's perturbation."""
     region: str | None = None
     """Region to switch to, if the rule says so."""
     exclude: tuple[str, ...] = ()
