@@ -1,0 +1,100 @@
+"""The option declarations that commands share, so that a name means the same everywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+WORLD = "What happens"
+OUTPUT = "Output"
+
+# `Optional` and not `| None`: typer reads these aliases at run time in all its supported versions.
+Scene = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--scene",
+        metavar="NAME|FILE",
+        help="Built-in scene or YAML file [default: cup_near_vase].",
+        rich_help_panel=WORLD,
+    ),
+]
+Seed = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option("--seed", metavar="N", help="Everything random follows from it [default: 0].", rich_help_panel=WORLD),
+]
+Brain = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--brain",
+        metavar="BRAIN",
+        help="rules, openai:MODEL or hf:MODEL_OR_FOLDER [default: rules].",
+        rich_help_panel=WORLD,
+    ),
+]
+BaseUrl = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--base-url", metavar="URL", help="Server of an openai: brain.", rich_help_panel=WORLD, hidden=True),
+]
+Perception = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--perception",
+        metavar="KIND",
+        help="rgbd (from pixels), vlm, or oracle (the truth) [default: rgbd].",
+        rich_help_panel=WORLD,
+    ),
+]
+Evaluator = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--evaluator", metavar="KIND", help="mujoco (physics) or analytic [default: mujoco].", rich_help_panel=WORLD
+    ),
+]
+Configuration = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--configuration", metavar="NAME", help="full, or an ablation by name [default: full].", rich_help_panel=WORLD
+    ),
+]
+Approve = Annotated[
+    Optional[bool],  # noqa: UP045
+    typer.Option("--approve/--no-approve", help="Ask before every motion.", show_default=False, rich_help_panel=WORLD),
+]
+DryRun = Annotated[
+    Optional[bool],  # noqa: UP045
+    typer.Option(
+        "--dry-run/--no-dry-run",
+        help="Understand, look and plan; move nothing.",
+        show_default=False,
+        rich_help_panel=WORLD,
+    ),
+]
+Thread = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--thread", metavar="ID", help="Name of a conversation that persists and can be resumed.", rich_help_panel=WORLD
+    ),
+]
+Json = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--json", metavar="FILE", help="Write the result there; - is standard output.", rich_help_panel=OUTPUT
+    ),
+]
+Record = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--record", metavar="DIR", help="Write the run: result, trace, pictures, a video.", rich_help_panel=OUTPUT
+    ),
+]
+Config = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--config",
+        metavar="FILE",
+        help="TOML file with these options; a flag wins over the file.",
+        rich_help_panel=OUTPUT,
+    ),
+]

@@ -1,0 +1,59 @@
+"""JSON schemas that the command line prints: of the tools' arguments and of the run's result."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from typing import Any
+
+from kb.errors import BadInputError
+
+TOOL_NAMES = (
+    "perceive",
+    "retrieve_haarag",
+    "build_scene_graph",
+    "infer_constraints",
+    "plan_grasp",
+    "execute_grasp",
+    "classify_failure",
+    "correct_grasp",
+    "place_object",
+    "gather_experience",
+)
+"""The verbs of `tools`, in the order in which a run uses them; a tool's file has its name."""
+
+
+def tool_schemas() -> dict[str, dict[str, Any]]:
+    """Tool name -> description, schema of its arguments and, where it is a model, of its result."""
+    return {name: _describe(name) for name in TOOL_NAMES}
+
+
+def result_schema(name: str) -> dict[str, Any]:
+    """The schema of `RunResult`, or the description of one tool.
+
+    Raises:
+        BadInputError: there is no such name.
+    """
+    if name == "RunResult":
+        from kb.run_result import RunResult
+
+        return RunResult.model_json_schema()
+    if name in TOOL_NAMES:
+        return _describe(name)
+    raise BadInputError(f'there is no schema "{name}"', where="--schema", choices=("RunResult", *TOOL_NAMES))
+
+
+def _describe(name: str) -> dict[str, Any]:
+    """A tool's first docstring line and the schemas of its argument model and result."""
+    from pydantic import BaseModel
+
+    verb = getattr(importlib.import_module(f"tools.{name}"), name)
+    signature = inspect.signature(verb, eval_str=True)
+    parameters = [p.annotation for p in signature.parameters.values()]
+    models = [kind for kind in parameters if inspect.isclass(kind) and issubclass(kind, BaseModel)]
+    row: dict[str, Any] = {"description": (inspect.getdoc(verb) or "").split("\n", 1)[0]}
+    row["arguments"] = models[0].model_json_schema() if models else {}
+    result = signature.return_annotation
+    if inspect.isclass(result) and issubclass(result, BaseModel):
+        row["result"] = result.model_json_schema()
+    return row

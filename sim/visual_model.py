@@ -1,0 +1,57 @@
+"""The model that pictures are made from: physics with the Panda's own meshes, a pedestal, table legs and stands.
+
+It has the same joints in the same order as the physical model, so that its states can be shown; it is never simulated.
+"""
+
+from __future__ import annotations
+
+import mujoco
+
+from sim.build_model import FLOOR_Z, TABLE_CENTRE, TABLE_HALF, scene_xml
+from sim.placed import PlacedScene
+
+MESH_COLOURS: dict[str, tuple[float, float, float, float]] = {
+    **{f"link{number}": (0.95, 0.95, 0.96, 1.0) for number in range(8)},
+    "hand": (0.93, 0.93, 0.94, 1.0),
+    "finger": (0.20, 0.21, 0.23, 1.0),
+}
+"""The Panda is white; its fingers are dark."""
+METAL = (0.30, 0.32, 0.35, 1.0)
+"""Pedestal, legs and stands."""
+LARGEST = (1920, 1080)
+"""Largest OpenGL picture [px]."""
+
+
+def visual_model(placed: PlacedScene) -> mujoco.MjModel:
+    """Compiles the scene for pictures. Joint positions of the physical model fit it unchanged."""
+    spec = mujoco.MjSpec.from_string(scene_xml(placed, visual=True))
+    for geom in spec.geoms:
+        if geom.meshname in MESH_COLOURS:
+            geom.rgba = MESH_COLOURS[geom.meshname]
+        elif geom.name == "floor":
+            geom.rgba = (0.80, 0.82, 0.85, 1.0)
+    _box(spec, (-0.04, 0.0, FLOOR_Z / 2), (0.13, 0.13, -FLOOR_Z / 2))
+    _box(spec, (-0.04, 0.0, -0.012), (0.17, 0.17, 0.012))
+    for side_x in (-1, 1):
+        for side_y in (-1, 1):
+            x = TABLE_CENTRE[0] + side_x * (TABLE_HALF[0] - 0.035)
+            y = TABLE_CENTRE[1] + side_y * (TABLE_HALF[1] - 0.035)
+            height = -FLOOR_Z - 2 * TABLE_HALF[2]
+            _box(spec, (x, y, FLOOR_Z + height / 2), (0.022, 0.022, height / 2))
+    for thing in placed.objects:
+        if thing.fixed and thing.position[2] > FLOOR_Z + 0.05:
+            height = thing.position[2] - FLOOR_Z
+            half = (thing.size[0] * 0.3, thing.size[1] * 0.3, height / 2)
+            _box(spec, (thing.position[0], thing.position[1], FLOOR_Z + height / 2), half)
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = LARGEST
+    # Near enough for a close-up, far enough for the room.
+    spec.visual.map.znear, spec.visual.map.zfar = 0.02, 12.0
+    spec.visual.quality.shadowsize = 4096
+    return spec.compile()
+
+
+def _box(spec: mujoco.MjSpec, position: tuple[float, float, float], half: tuple[float, float, float]) -> None:
+    """A box that only pictures see."""
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_BOX, pos=position, size=half, rgba=METAL, contype=0, conaffinity=0, group=0
+    )
