@@ -131,12 +131,13 @@ class OraclePerceiver:
 def true_box(obj: PlacedObject, surface_w: Array, rotation: Array) -> UprightBox:
     """The upright box of an object from its true surface (N, 3), world frame.
 
-    The object's own axis counts where its box is within 2 % of the smallest (round things have no other yaw).
+    The object's own axis counts where its box is within 15 % of the smallest: round things have no other yaw, and a cup's
+    smallest box stands askew to its handle.
     """
     own = box_at(surface_w, float(np.arctan2(rotation[1, 0], rotation[0, 0])))
     if np.hypot(rotation[0, 0], rotation[1, 0]) > 0.9 and own.size[0] * own.size[1] > 0:
         yaw, area = smallest_yaw(surface_w)
-        return own if own.size[0] * own.size[1] <= 1.02 * area else box_at(surface_w, yaw)
+        return own if own.size[0] * own.size[1] <= 1.15 * area else box_at(surface_w, yaw)
     return box_at(surface_w, smallest_yaw(surface_w)[0])
 
 
