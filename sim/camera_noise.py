@@ -46,7 +46,7 @@ def noisy_depth(
 def noisy_colour(rgb: NDArray[np.float32], rng: np.random.Generator, scale: float) -> NDArray[np.uint8]:
     """Colour (H, W, 3) as bytes, from [0, 1] with mild noise."""
     if scale > 0.0:
-        rgb = rgb + np.float32(scale * COLOUR_SIGMA) * rng.standard_normal(rgb.shape, dtype=np.float32)
+        rgb = rgb + rng.standard_normal(rgb.shape, dtype=np.float32) * np.float32(scale * COLOUR_SIGMA)
     return np.clip(rgb * 255.0 + 0.5, 0, 255).astype(np.uint8)
 
 
@@ -56,7 +56,7 @@ def smooth_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np
     rows, columns = FIELD_CELLS, max(2, round(FIELD_CELLS * width / height))
     knots = rng.standard_normal((rows + 1, columns + 1), dtype=np.float32)
     field = _interpolated(_interpolated(knots, height).T, width).T
-    return field - field.mean()
+    return (field - field.mean()).astype(np.float32)
 
 
 def _interpolated(knots: NDArray[np.float32], count: int) -> NDArray[np.float32]:
@@ -64,7 +64,8 @@ def _interpolated(knots: NDArray[np.float32], count: int) -> NDArray[np.float32]
     place = np.linspace(0, len(knots) - 1.001, count, dtype=np.float32)
     low = place.astype(int)
     share = (place - low)[:, None]
-    return ((1 - share) * knots[low] + share * knots[low + 1]) / np.sqrt((1 - share) ** 2 + share**2)
+    blend = (1 - share) * knots[low] + share * knots[low + 1]
+    return (blend / np.sqrt((1 - share) ** 2 + share**2)).astype(np.float32)
 
 
 def _edges(depth: NDArray[np.float32]) -> NDArray[np.bool_]:

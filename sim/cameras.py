@@ -235,7 +235,7 @@ class _Light:
             along = np.float32(-np.sin(turn)) * hit[:, 0] + np.float32(np.cos(turn)) * hit[:, 1]
             veins = np.sin(np.float32(2 * np.pi / grain) * (across + np.float32(0.02) * np.sin(20 * along)))
             brightness[on_table] *= 1 - np.float32(contrast) * (0.5 + 0.5 * veins)
-        return np.clip(self.rgba[geom, :3] * brightness[:, None], 0.0, 1.0)
+        return np.clip(self.rgba[geom, :3] * brightness[:, None], 0.0, 1.0).astype(np.float32)
 
 
 def capture(

@@ -124,6 +124,7 @@ class ObjectModel:
             soft=self.soft,
             parts=form.parts,
             fixed=self.fixed,
+            cavity=form.cavity,
         )
 
     def form(self, scale: float = 1.0, *palette: Colour) -> Form:

@@ -39,6 +39,20 @@ class Geom:
 
 
 @dataclass(frozen=True)
+class Cavity:
+    """The hollow of an upright open container, in the object frame."""
+
+    floor: float
+    """Height of its bottom [m]."""
+    top: float
+    """Height of its opening [m]."""
+    radius_floor: float
+    """Free radius at the bottom [m]."""
+    radius_top: float
+    """Free radius at the opening [m]."""
+
+
+@dataclass(frozen=True)
 class PlacedObject:
     """One free body, drawn and posed. Object frame: origin at the centre of the footprint, lowest point z = 0."""
 
@@ -63,6 +77,8 @@ class PlacedObject:
     """True parts in the object frame (positions relative to it)."""
     fixed: bool = False
     """Part of the set-up (the bin on its stand): a static body."""
+    cavity: Cavity | None = None
+    """Its hollow, if it is an open container."""
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from kb.percept import Part
-from sim.objects.form import Cavity, Colour, Form, box, cylinder, wall
-from sim.placed import Geom
+from sim.objects.form import Colour, Form, box, cylinder, wall
+from sim.placed import Cavity, Geom
 
 WALL = 0.004
 """Thickness of the wall [m] (ledger G35)."""

@@ -13,25 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.percept import Part
-from sim.placed import Geom
+from sim.placed import Cavity, Geom
 
 Colour = tuple[float, float, float, float]
 Point = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Cavity:
-    """The hollow of a container, round or square in plan."""
-
-    floor: float
-    """Height of its bottom [m]."""
-    top: float
-    """Height of its opening [m]."""
-    radius_floor: float
-    """Free radius at the bottom, half-width if square [m]."""
-    radius_top: float
-    """Free radius at the opening [m]."""
-    square: bool = False
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ def tennis_ball(scale: float, colour: Callable[[], Colour]) -> Form:
 
 def _ball(radius: float, rgba: Colour) -> Form:
     part = Part(region="body", centre=(0.0, 0.0, radius), axis=UP, width=2 * radius, length=2 * radius, radius=radius)
-    return Form((sphere((0.0, 0.0, radius), radius, rgba),), (part,), (2 * radius,) * 3)
+    return Form((sphere((0.0, 0.0, radius), radius, rgba),), (part,), (2 * radius, 2 * radius, 2 * radius))
 
 
 def banana(scale: float, colour: Callable[[], Colour]) -> Form:
@@ -51,12 +51,14 @@ def banana(scale: float, colour: Callable[[], Colour]) -> Form:
 
 def wood_cube(scale: float, colour: Callable[[], Colour]) -> Form:
     """The wood cube of Table I: 5 cm."""
-    return _block((0.05 * scale,) * 3, colour())
+    side = 0.05 * scale
+    return _block((side, side, side), colour())
 
 
 def toy_block(scale: float, colour: Callable[[], Colour]) -> Form:
     """The toy block of Table I: 4 cm."""
-    return _block((0.04 * scale,) * 3, colour())
+    side = 0.04 * scale
+    return _block((side, side, side), colour())
 
 
 def carton(scale: float, colour: Callable[[], Colour]) -> Form:

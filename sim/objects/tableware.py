@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable
 
 from kb.percept import Part
-from sim.objects.form import Cavity, Colour, Form, cylinder, frustum, wall
+from sim.objects.form import Colour, Form, cylinder, frustum, wall
+from sim.placed import Cavity
 
 UP = (0.0, 0.0, 1.0)
 BOWL_WALL, GLASS_WALL = 0.004, 0.003
