@@ -75,7 +75,9 @@ class ExperienceStore:
         except FileNotFoundError as error:
             raise EnvironmentFaultError(f"there is no knowledge base at {file}", mend=SUGGESTED_MEND) from error
         except (OSError, UnicodeDecodeError) as error:
-            raise EnvironmentFaultError(f"cannot read the knowledge base {file}: {error}", mend=SUGGESTED_MEND) from error
+            raise EnvironmentFaultError(
+                f"cannot read the knowledge base {file}: {error}", mend=SUGGESTED_MEND
+            ) from error
         header, entries = _parse(text, str(file))
         return cls(header, entries, file)
 
@@ -154,7 +156,9 @@ class ExperienceStore:
         """
         if name != self._header.embedder:
             what = f"the knowledge base was embedded with {self._header.embedder!r}, the session uses {name!r}"
-            raise EnvironmentFaultError(what, mend=f"rebuild it with `ragvlm kb build`, or use {self._header.embedder!r}")
+            raise EnvironmentFaultError(
+                what, mend=f"rebuild it with `ragvlm kb build`, or use {self._header.embedder!r}"
+            )
 
     # -- writing
 
@@ -259,7 +263,9 @@ def _parse(text: str, where: str) -> tuple[StoreHeader, list[Experience]]:
         entry = _model(Experience, _json(line, f"{where}:{number}"), f"{where}:{number}")
         _check(entry, header, f"{where}:{number}")
         if entry.id in seen:
-            raise BadInputError(f"experience {entry.id!r} stands already in line {seen[entry.id]}", where=f"{where}:{number}")
+            raise BadInputError(
+                f"experience {entry.id!r} stands already in line {seen[entry.id]}", where=f"{where}:{number}"
+            )
         seen[entry.id] = number
         entries.append(entry)
     return header, entries
@@ -286,10 +292,14 @@ def _model(model: type[_Model], value: dict[str, Any], where: str) -> _Model:
 
 def _check(entry: Experience, header: StoreHeader, where: str | None = None) -> None:
     if entry.embedder != header.embedder:
-        what = f"experience {entry.id!r} was embedded with {entry.embedder!r}, the knowledge base with {header.embedder!r}"
+        what = (
+            f"experience {entry.id!r} was embedded with {entry.embedder!r}, the knowledge base with {header.embedder!r}"
+        )
         raise BadInputError(what, where=where, choices=[header.embedder])
     if len(entry.embedding) != header.dim:
         what = f"experience {entry.id!r} has {len(entry.embedding)} embedding numbers instead of {header.dim}"
         raise BadInputError(what, where=where)
     if not 0 <= entry.n_success <= entry.n_trials:
-        raise BadInputError(f"experience {entry.id!r}: {entry.n_success} successes of {entry.n_trials} trials", where=where)
+        raise BadInputError(
+            f"experience {entry.id!r}: {entry.n_success} successes of {entry.n_trials} trials", where=where
+        )

@@ -1,0 +1,46 @@
+"""Vertical relations: resting on, lying above, being inside (ledger G6, G7)."""
+
+from __future__ import annotations
+
+from kb.percept import PerceivedObject
+from kb.priors import prior
+from tools.scene_relations.solid import Solid
+from tools.scene_relations.surface_gap import overlap_share
+
+REST_TOLERANCE = 0.010
+"""Largest difference of the upper object's base and the lower one's top while resting [m] (ledger G7: 1 cm)."""
+OVERLAP = 0.25
+"""Least share of either footprint over the other for one to be above the other."""
+INSIDE_OVERLAP = 0.5
+"""Least share of the inner footprint over the container's."""
+INSIDE_DEPTH = 0.010
+"""Depth below the container's top edge that makes a thing be inside [m]."""
+
+
+def over(upper: Solid, lower: Solid) -> bool:
+    """Whether the footprints overlap by `OVERLAP` of either."""
+    return overlap_share(upper, lower) >= OVERLAP or overlap_share(lower, upper) >= OVERLAP
+
+
+def is_above(upper: Solid, lower: Solid) -> bool:
+    """ABOVE: the footprints overlap, and the upper one begins no deeper than `REST_TOLERANCE` under the lower one's top."""
+    return upper.low >= lower.high - REST_TOLERANCE and over(upper, lower)
+
+
+def rests_on(upper: Solid, lower: Solid) -> bool:
+    """ON_TOP_OF: above, and the upper one's base lies at the lower one's top within `REST_TOLERANCE`."""
+    return abs(upper.low - lower.high) <= REST_TOLERANCE and over(upper, lower)
+
+
+def is_hollow(obj: PerceivedObject) -> bool:
+    """Whether things can be inside: a bowl shape, a seen rim, or a category that is a container."""
+    return obj.shape == "bowl" or obj.part("rim") is not None or prior(obj.category).container
+
+
+def is_inside(inner: Solid, outer: Solid, outer_object: PerceivedObject) -> bool:
+    """INSIDE: the outer one is hollow, the inner footprint lies over it, and begins below its edge and not under it."""
+    return (
+        is_hollow(outer_object)
+        and outer.low - REST_TOLERANCE <= inner.low <= outer.high - INSIDE_DEPTH
+        and overlap_share(inner, outer) >= INSIDE_OVERLAP
+    )
