@@ -1,0 +1,253 @@
+"""Plan a grasp: experience says how, geometry says where, constraints say what not, and every number says why.
+
+The experience (or an earlier success of this episode) gives region, type, approach, force and depth; geometry gives the
+candidates on the perceived object; constraints and the clearance of the swept hand prune and score them; the arm's reach
+decides last. This module knows neither how objects were perceived nor what is true.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from kb.base import Noun
+from kb.constraint import Constraints
+from kb.errors import BadInputError
+from kb.experience import Retrieval
+from kb.grasp import MAX_APERTURE, Grasp
+from kb.percept import PerceivedObject, Percept
+from kb.sensing import Correction, Plan
+from sim.quality import WIDEST_OBJECT
+from sim.reach import Reach, solve_reach
+from tools.context import ToolContext
+from tools.planning.candidate import Candidate
+from tools.planning.constrain_candidates import Constrained, constrain
+from tools.planning.force_choice import ForceChoice, choose_force
+from tools.planning.generate_candidates import generate_candidates
+from tools.planning.grasp_prior import GraspPrior, prior_chain
+from tools.planning.literal_plan import literal_candidate
+from tools.planning.rank_candidates import Ranked, estimate
+from tools.planning.remembered import RememberedGrasp
+from tools.planning.search import Posture, Search
+from tools.planning.shape_grasp import explain, shape_grasp
+from tools.planning.surroundings import surroundings
+
+CLEARANCE = 0.006
+"""Clearance wanted from everything perceived [m]; scaled by the margins of constraints and corrections."""
+LAST_CLEARANCES = (0.003, -0.001)
+"""If nothing has that much, any region with this much is taken [m]; the last is contact within perception's error."""
+
+
+class PlanArgs(Noun):
+    """Arguments of `plan_grasp`."""
+
+    percept: Percept
+    target: str
+    """Perceived id."""
+    retrieval: Retrieval | None = None
+    constraints: Constraints = Field(default_factory=Constraints)
+    memory: RememberedGrasp | None = None
+    """An earlier success that fits, as recalled from the episodic memory."""
+    correction: Correction | None = None
+    """What the reflection changes after a failure."""
+    tried: tuple[Plan, ...] = ()
+    """Plans of this goal that failed."""
+    attempt: int = 0
+
+    @field_validator("memory", mode="before")
+    @classmethod
+    def _from_memory(cls, value: Any) -> Any:
+        return RememberedGrasp.of(value)
+
+
+class PlanOutcome(Noun):
+    """A plan, or why there is none."""
+
+    plan: Plan | None
+    reason: str
+    """One sentence: why this grasp, or why none."""
+    rejected: dict[str, int] = Field(default_factory=dict)
+    """Reason -> number of candidates."""
+
+
+def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
+    """Plans one grasp of the target.
+
+    Args:
+        args: What was perceived, retrieved, inferred and remembered, and the correction after a failure.
+        context: Robot (joint angles now) and switches.
+
+    Returns:
+        The plan with the provenance of each number, or None with the reasons counted.
+
+    Raises:
+        BadInputError: if the target is not among the perceived objects.
+    """
+    subject = _subject(args)
+    switches = context.switches
+    correction = args.correction
+    exclude = correction.exclude if correction else ()
+    chain = prior_chain(subject, args.retrieval, args.memory, switches, exclude)
+    if correction and ({"type", "approach"} & set(correction.changes) or correction.region):
+        chain = tuple(_corrected(prior, correction) for prior in chain)
+    if not switches.geometric_candidates or switches.prior == "default":
+        return _literal(args, subject, chain[0], context)
+    rejected: dict[str, int] = {}
+    candidates = _usable(generate_candidates(subject), exclude, rejected)
+    pool = constrain(candidates, subject, args.constraints, rejected)
+    search = Search(
+        subject=subject,
+        constraints=args.constraints,
+        correction=correction,
+        avoid=args.retrieval.avoid if args.retrieval and switches.prior == "experience" else (),
+        neighbours_w=surroundings(args.percept, subject.id),
+        use_clearance=switches.clearance,
+        reach=lambda grasp: _posture(grasp, context),
+        rejected=rejected,
+    )
+    found = _search(search, pool, chain, args)
+    if found is None:
+        return PlanOutcome(plan=None, reason=_why_none(rejected, len(pool)), rejected=dict(sorted(rejected.items())))
+    ranked, posture, prior, force = found
+    plan = _plan(search, ranked, posture, prior, force, args)
+    return PlanOutcome(plan=plan, reason=_why(plan, prior), rejected=plan.rejected)
+
+
+def _subject(args: PlanArgs) -> PerceivedObject:
+    try:
+        return args.percept.object(args.target)
+    except KeyError:
+        seen = [item.id for item in args.percept.objects]
+        raise BadInputError(f"no object {args.target!r} in this percept", where="target", choices=seen) from None
+
+
+def _corrected(prior: GraspPrior, correction: Correction) -> GraspPrior:
+    """The prior with the type, region or approach that the correction demands."""
+    changes = correction.changes
+    if "type" in changes:
+        type_ = str(changes["type"])
+        prior = replace(prior, type=type_, approach=None, tilt=None, depth=None)  # pyright: ignore[reportArgumentType]
+    if "approach" in changes:
+        prior = replace(prior, approach="top", tilt=0.0, depth=None)
+    if correction.region is not None:
+        prior = replace(prior, region=correction.region)  # pyright: ignore[reportArgumentType]
+    return prior
+
+
+def _usable(candidates: list[Candidate], exclude: tuple[str, ...], rejected: dict[str, int]) -> list[Candidate]:
+    """Candidates that fit into the hand and were not excluded by the reflection."""
+    kept: list[Candidate] = []
+    for candidate in candidates:
+        if candidate.width > WIDEST_OBJECT + 0.0035:
+            rejected["wider than the hand opens"] = rejected.get("wider than the hand opens", 0) + 1
+        elif candidate.name in exclude:
+            rejected["failed before"] = rejected.get("failed before", 0) + 1
+        else:
+            kept.append(candidate)
+    return kept
+
+
+def _posture(grasp: Grasp, context: ToolContext) -> Posture | None:
+    """Joint angles at the grasp, if the whole motion is within reach."""
+    found = solve_reach(grasp, np.asarray(context.robot.joints, float))
+    return tuple(float(q) for q in found.joints) if isinstance(found, Reach) else None
+
+
+def _search(
+    search: Search, pool: list[Constrained], chain: tuple[GraspPrior, ...], args: PlanArgs
+) -> tuple[Ranked, Posture, GraspPrior, ForceChoice] | None:
+    """Regions in the order of the priors with full clearance, then any region with less and less of it."""
+    margin = args.constraints.adjustment.margin * (args.correction.margin if args.correction else 1.0)
+    for prior in chain:
+        group = [item for item in pool if prior.region is None or item.candidate.region == prior.region]
+        force = _force(args, search.subject, prior)
+        found = search.best(group, prior, force, CLEARANCE * margin) if group else None
+        if found is not None:
+            return (*found, prior, force)
+    prior = chain[0]
+    force = _force(args, search.subject, prior)
+    for required in (CLEARANCE * margin, *LAST_CLEARANCES):
+        found = search.best(pool, prior, force, required)
+        if found is not None:
+            return (*found, prior, force)
+    return None
+
+
+def _force(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior) -> ForceChoice:
+    correction = args.correction
+    corrected = correction.changes.get("force") if correction else None
+    kinds = [f"{item.kind}:{item.target}" for item in args.constraints.active if item.kind == "collision"]
+    return choose_force(
+        subject,
+        prior,
+        scale=args.constraints.adjustment.force_scale,
+        scale_reason=",".join(kinds) or "constraints",
+        corrected=float(str(corrected)) if corrected is not None else None,
+        rule=correction.rule if correction else "",
+    )
+
+
+def _plan(
+    search: Search, ranked: Ranked, posture: Posture, prior: GraspPrior, force: ForceChoice, args: PlanArgs
+) -> Plan:
+    candidate = ranked.item.candidate
+    ledger = explain(ranked.item, ranked.grasp, prior, force, args.constraints, args.correction, ranked.clearance)
+    others = sorted(search.alternatives, key=lambda pair: -pair[0].score)
+    return Plan(
+        grasp=ranked.grasp,
+        provenance=ledger.done(),
+        quality=ranked.quality,
+        region=candidate.region,
+        target=args.target,
+        candidate=candidate.name,
+        joints=posture,
+        clearance=ranked.clearance,
+        local_width=candidate.width,
+        rejected=dict(sorted(search.rejected.items())),
+        alternatives=tuple((other.grasp, round(other.score, 4), other.item.candidate.name) for other, _ in others),
+    )
+
+
+def _literal(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior, context: ToolContext) -> PlanOutcome:
+    """The stored parameters as they are, adjusted by the constraints only."""
+    adjustment = args.constraints.adjustment
+    candidate = literal_candidate(subject, prior, adjustment)
+    item = Constrained(candidate, 0.0)
+    force = _force(args, subject, prior)
+    opening = prior.aperture if prior.aperture is not None else MAX_APERTURE
+    if args.correction and "aperture" in args.correction.changes:
+        opening = min(MAX_APERTURE, float(str(args.correction.changes["aperture"])))
+    grasp = shape_grasp(item, subject, prior, force, args.constraints, args.correction, opening=opening)
+    quality = estimate(subject, candidate, grasp, 0.02, force.mass, force.friction)
+    posture = _posture(grasp, context)
+    ledger = explain(item, grasp, prior, force, args.constraints, args.correction, math.inf)
+    plan = Plan(
+        grasp=grasp,
+        provenance=ledger.done(),
+        quality=quality,
+        region=candidate.region,
+        target=args.target,
+        candidate=candidate.name,
+        joints=posture or (),
+        local_width=candidate.width,
+    )
+    return PlanOutcome(plan=plan, reason=_why(plan, prior))
+
+
+def _why(plan: Plan, prior: GraspPrior) -> str:
+    said = f"{prior.source} {prior.id}" if plan.region == prior.region else "geometry"
+    return (
+        f"{plan.grasp.type} grasp of the {plan.region} ({said}), {1000 * plan.local_width:.0f} mm wide, "
+        f"{plan.grasp.force:.1f} N, quality {plan.quality.q:.2f}"
+    )
+
+
+def _why_none(rejected: dict[str, int], considered: int) -> str:
+    if not rejected:
+        return "the object offers no place that this hand can hold"
+    worst = ", ".join(f"{count} {reason}" for reason, count in sorted(rejected.items(), key=lambda kv: -kv[1]))
+    return f"none of {considered} candidates can be executed: {worst}"

@@ -1,0 +1,126 @@
+"""Constraints act on candidates: some are ruled out, others are leaned away from what must not be touched."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kb.constraint import Adjustment, Constraints
+from kb.grasp import closing_axis
+from kb.percept import PerceivedObject
+from tools.planning.body_candidates import palm_floor, tip_floor
+from tools.planning.candidate import Array, Candidate, vec3
+
+CONTENT_TILT = math.radians(15.0)
+"""Largest tilt off vertical while contents must stay in, if the constraint names none [rad] (ledger G11)."""
+FULL_BIAS = 0.6
+"""Share of the wanted lean that a candidate must take to count as leaning away."""
+YAW_SECTOR = math.radians(50.0)
+"""Closing axes nearer than this to a neighbour's bearing are worse [rad]: the hand is widest along them."""
+LATERAL_BIAS = 0.3
+"""Lean towards the free side of an occluder (as the bias of ledger G11)."""
+
+
+@dataclass(frozen=True)
+class Constrained:
+    """A candidate with what the constraints did to it."""
+
+    candidate: Candidate
+    malus: float
+    """Non-negative: how badly it fits the soft constraints."""
+    changes: tuple[tuple[str, str, str], ...] = ()
+    """(field of the grasp, id of the constraint, what it changed)."""
+
+
+def constrain(
+    candidates: list[Candidate], subject: PerceivedObject, constraints: Constraints, rejected: dict[str, int]
+) -> list[Constrained]:
+    """Applies hard and soft constraints to all candidates.
+
+    Args:
+        candidates: From geometry.
+        subject: The target.
+        constraints: Active constraints with their adjustment.
+        rejected: Counter by reason, added to.
+    """
+    adjustment = constraints.adjustment
+    limit = _tilt_limit(adjustment)
+    bias = np.asarray(adjustment.away, float)
+    if adjustment.lateral is not None:
+        # The hand arrives from the free side, so it moves against it.
+        bias = bias - LATERAL_BIAS * np.asarray(adjustment.lateral)
+    kept: list[Constrained] = []
+    for candidate in candidates:
+        if limit is not None and candidate.tilt > limit + 1e-6:
+            rejected["content: approach too tilted"] = rejected.get("content: approach too tilted", 0) + 1
+            continue
+        kept.append(_lean(candidate, subject, bias, limit, constraints))
+    return [replace(item, malus=item.malus + _yaw_malus(item.candidate, adjustment)) for item in kept]
+
+
+def _tilt_limit(adjustment: Adjustment) -> float | None:
+    if adjustment.max_tilt is not None:
+        return adjustment.max_tilt
+    return CONTENT_TILT if adjustment.direction is not None else None
+
+
+def _lean(
+    candidate: Candidate, subject: PerceivedObject, bias: Array, limit: float | None, constraints: Constraints
+) -> Constrained:
+    """Leans the approach by the part of the bias that lies in the plane of the fingers' width.
+
+    Along the closing axis a lean would turn the pads off the surfaces they are to meet, so that part is left out and
+    counts as a malus; other closing axes will be preferred.
+    """
+    wanted = float(np.linalg.norm(bias))
+    if wanted < 1e-6:
+        return Constrained(candidate, 0.0)
+    closing = closing_axis(candidate.approach, candidate.yaw)
+    before = np.asarray(candidate.approach)
+    usable = bias - closing * float(bias @ closing)
+    after = before + usable
+    after /= np.linalg.norm(after)
+    if limit is not None:
+        after = _limited(after, limit)
+    # A side approach that already moves the wanted way, or can't be bent without losing its height, stays as it is.
+    already = max(0.0, float(before @ bias) / wanted)
+    if candidate.tilt > math.radians(30.0) or after[2] > -0.3:
+        return Constrained(candidate, 0.3 * (1.0 - already) if already < FULL_BIAS else 0.0)
+    tilt = math.acos(max(-1.0, min(1.0, -float(after[2]))))
+    x, y, z = candidate.position
+    floor = max(tip_floor(subject, tilt), palm_floor(subject.top_z, tilt) - 0.003 if candidate.region != "rim" else 0.0)
+    leaned = replace(
+        candidate,
+        name=f"{candidate.name}/lean{round(math.degrees(tilt))}",
+        approach=vec3(after),
+        position=(x, y, max(z, floor) if candidate.region != "rim" else z),
+    )
+    share = float(np.linalg.norm(usable)) / wanted
+    ids = ",".join(
+        f"{item.kind}:{item.target}" for item in constraints.active if item.kind in ("collision", "occlusion")
+    )
+    change = (
+        "approach",
+        ids or "bias",
+        f"leaned {math.degrees(math.acos(float(np.clip(before @ after, -1, 1)))):.0f} deg",
+    )
+    return Constrained(leaned, 0.3 * max(0.0, FULL_BIAS - share), (change,))
+
+
+def _limited(direction: Array, limit: float) -> Array:
+    """The direction with its tilt off vertical cut to `limit` [rad]."""
+    flat = np.array([direction[0], direction[1], 0.0])
+    length = float(np.linalg.norm(flat))
+    if length < 1e-9 or math.atan2(length, -direction[2]) <= limit:
+        return direction
+    return flat / length * math.sin(limit) + np.array([0.0, 0.0, -math.cos(limit)])
+
+
+def _yaw_malus(candidate: Candidate, adjustment: Adjustment) -> float:
+    worst = 0.0
+    for bearing in adjustment.avoid_yaw:
+        off = abs(math.remainder(candidate.yaw - bearing, math.pi))
+        worst = max(worst, 1.0 - off / YAW_SECTOR)
+    return 0.2 * worst

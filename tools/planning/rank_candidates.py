@@ -1,0 +1,98 @@
+"""The score of a candidate: the grasp quality of Eq. (2) on estimates, bent by experience, constraints and clearance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kb.experience import RetrievedExperience
+from kb.grasp import Grasp, Quality
+from kb.percept import PerceivedObject
+from sim.quality import Subject, grade
+from tools.planning.candidate import Candidate
+from tools.planning.constrain_candidates import Constrained
+from tools.planning.grasp_prior import GraspPrior
+
+REGION_WEIGHT, TYPE_WEIGHT, APPROACH_WEIGHT, TILT_WEIGHT, DEPTH_WEIGHT = 0.50, 0.15, 0.15, 0.10, 0.10
+"""How much of the agreement with the experience each of its words carries; they sum to 1."""
+PRIOR_WEIGHT = 0.5
+"""Weight of the agreement with the experience beside Q, which lies in [0, 1]."""
+MERIT_WEIGHT = 0.25
+"""Weight of the geometric preference among alike candidates."""
+AVOID_MALUS = 0.2
+"""Malus of what failed in the same category's trials (ledger G14f: contrast)."""
+ROOMY = 0.02
+"""Clearance beyond which more is no better [m] (phi_5)."""
+TIGHT_WEIGHT = 0.35
+"""Malus of a hand that sweeps just past something; falls to 0 at `ROOMY`."""
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A scored candidate."""
+
+    item: Constrained
+    grasp: Grasp
+    quality: Quality
+    score: float
+    clearance: float
+
+
+def agreement(candidate: Candidate, prior: GraspPrior) -> float:
+    """How well a candidate does what the prior says, in [0, 1]; what the prior leaves open counts as agreed."""
+    total = REGION_WEIGHT * (prior.region is None or candidate.region == prior.region)
+    total += TYPE_WEIGHT * (prior.type is None or candidate.type == prior.type)
+    total += APPROACH_WEIGHT * (prior.approach is None or candidate.approach_class == prior.approach)
+    tilt_off = 0.0 if prior.tilt is None else min(1.0, abs(candidate.tilt - prior.tilt) / 0.5)
+    depth_off = 0.0 if prior.depth is None else min(1.0, abs(candidate.depth - prior.depth) / 0.4)
+    return total + TILT_WEIGHT * (1.0 - tilt_off) + DEPTH_WEIGHT * (1.0 - depth_off)
+
+
+def avoided(candidate: Candidate, avoid: tuple[RetrievedExperience, ...]) -> float:
+    """Malus of a candidate that repeats what failed for this very category."""
+    for item in avoid:
+        strategy = item.experience.strategy
+        same = (strategy.region, strategy.type, strategy.approach) == (
+            candidate.region,
+            candidate.type,
+            candidate.approach_class,
+        )
+        if item.s_cat >= 1.0 and same and abs(strategy.depth - candidate.depth) < 0.12:
+            return AVOID_MALUS
+    return 0.0
+
+
+def estimate(
+    subject: PerceivedObject, candidate: Candidate, grasp: Grasp, clearance: float, mass: float, friction: float
+) -> Quality:
+    """Q of Eq. (2) with the robot's own estimates."""
+    return grade(
+        grasp,
+        Subject(
+            region_distance=candidate.miss,
+            width=candidate.width,
+            mass=mass,
+            friction=friction,
+            fragility=subject.affordance.fragility,
+            affordance=subject.affordance.type,
+            clearance=clearance,
+        ),
+    )
+
+
+def total_score(
+    quality: Quality,
+    item: Constrained,
+    prior: GraspPrior,
+    avoid: tuple[RetrievedExperience, ...],
+    clearance: float,
+) -> float:
+    """Q + agreement with experience + geometric preference - constraints' maluses - tightness."""
+    tight = 1.0 - min(1.0, max(0.0, clearance) / ROOMY)
+    return (
+        quality.q
+        + PRIOR_WEIGHT * agreement(item.candidate, prior)
+        + MERIT_WEIGHT * item.candidate.merit
+        - item.malus
+        - avoided(item.candidate, avoid)
+        - TIGHT_WEIGHT * tight
+    )

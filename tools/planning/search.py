@@ -1,0 +1,144 @@
+"""Best-first search: the best-scored candidates get their clearance measured, the best of those an arm posture."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kb.constraint import Constraints
+from kb.experience import RetrievedExperience
+from kb.grasp import Grasp
+from kb.percept import PerceivedObject
+from kb.sensing import Correction
+from sim.hand import swept_clearance, swept_distances
+from tools.planning.candidate import WIDEST_GRIP, Array
+from tools.planning.constrain_candidates import Constrained
+from tools.planning.force_choice import ForceChoice
+from tools.planning.grasp_prior import GraspPrior
+from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
+from tools.planning.shape_grasp import narrow_opening, shape_grasp
+
+MEASURED = 60
+"""Candidates whose clearance is measured, best first."""
+TRIED_POSTURES = 14
+"""Candidates for which an arm posture is sought, best first (2 to 4 ms each)."""
+ALTERNATIVES = 2
+"""Feasible candidates beyond the best that are kept for showing and for retries."""
+FREE = 1.0
+"""Clearance reported where nothing is near [m]."""
+OWN_TOLERANCE = -0.0025
+"""The open hand may come this near to the target's own observed points [m]: noise of single points."""
+WIDE_MALUS = 0.25
+"""Malus of places wider than `WIDEST_GRIP` where a narrower one exists."""
+
+Posture = tuple[float, ...]
+
+
+@dataclass
+class Search:
+    """One planning problem; `best` looks through pools of candidates."""
+
+    subject: PerceivedObject
+    constraints: Constraints
+    correction: Correction | None
+    avoid: tuple[RetrievedExperience, ...]
+    neighbours_w: Array
+    """Points of everything else, shape (N, 3) [m]."""
+    use_clearance: bool
+    reach: Callable[[Grasp], Posture | None]
+    rejected: dict[str, int] = field(default_factory=dict)
+    alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list)
+    unreachable: set[str] = field(default_factory=set)
+
+    def best(
+        self, pool: list[Constrained], prior: GraspPrior, force: ForceChoice, required: float
+    ) -> tuple[Ranked, Posture] | None:
+        """The best feasible candidate of `pool`, or None; reasons of the others are counted.
+
+        Args:
+            pool: Candidates.
+            prior: What they should agree with.
+            force: The force to grade them with.
+            required: Clearance that they must have [m].
+        """
+        narrow_exists = any(item.candidate.width <= WIDEST_GRIP for item in pool)
+        # With full clearance assumed, a score is an upper bound: the best measured one above all bounds is the best.
+        heap: list[tuple[float, str, bool, Ranked]] = []
+        for item in pool:
+            bound = self._graded(item, prior, force, ROOMY, None, narrow_exists)
+            heapq.heappush(heap, (-bound.score, item.candidate.name, False, bound))
+        found: list[tuple[Ranked, Posture]] = []
+        measured = postures = 0
+        while heap and measured < MEASURED and postures < TRIED_POSTURES and len(found) <= ALTERNATIVES:
+            _, name, exact, ranked = heapq.heappop(heap)
+            if name in self.unreachable:
+                continue
+            if not exact:
+                measured += 1
+                known = self._measured(ranked, prior, force, narrow_exists)
+                if known is not None and self._clear(known, required):
+                    heapq.heappush(heap, (-known.score, name, True, known))
+                continue
+            postures += 1
+            posture = self.reach(ranked.grasp)
+            if posture is None:
+                self.unreachable.add(name)
+                self._reject("out of the arm's reach")
+            else:
+                found.append((ranked, posture))
+        self.alternatives += found[1:]
+        return found[0] if found else None
+
+    def _graded(
+        self,
+        item: Constrained,
+        prior: GraspPrior,
+        force: ForceChoice,
+        clearance: float,
+        opening: float | None,
+        narrow_exists: bool,
+    ) -> Ranked:
+        grasp = shape_grasp(item, self.subject, prior, force, self.constraints, self.correction, opening=opening)
+        quality = estimate(self.subject, item.candidate, grasp, clearance, force.mass, force.friction)
+        score = total_score(quality, item, prior, self.avoid, clearance)
+        if item.candidate.width > WIDEST_GRIP and narrow_exists:
+            score -= WIDE_MALUS
+        return Ranked(item=item, grasp=grasp, quality=quality, score=score, clearance=clearance)
+
+    def _measured(self, ranked: Ranked, prior: GraspPrior, force: ForceChoice, narrow_exists: bool) -> Ranked | None:
+        """The candidate with its true clearance, with a narrower opening where that helps; None if it hits itself."""
+        item = ranked.item
+        own = swept_distances(ranked.grasp, self.subject.surface_points(), lift=0.0)
+        if len(own) > 3 and float(np.partition(own, 2)[2]) < OWN_TOLERANCE:
+            narrower = narrow_opening(item.candidate)
+            grasp = ranked.grasp.model_copy(update={"aperture": narrower})
+            own = swept_distances(grasp, self.subject.surface_points(), lift=0.0)
+            if float(np.partition(own, 2)[2]) < OWN_TOLERANCE:
+                self._reject("hand would touch another part of the object")
+                return None
+            ranked = self._graded(item, prior, force, ranked.clearance, narrower, narrow_exists)
+        if not self.use_clearance:
+            return ranked
+        if not len(self.neighbours_w):
+            return self._graded(item, prior, force, FREE, ranked.grasp.aperture, narrow_exists)
+        clearance = swept_clearance(ranked.grasp, self.neighbours_w)
+        opening = ranked.grasp.aperture
+        if clearance < ROOMY:
+            narrower = min(opening, narrow_opening(item.candidate))
+            slim = ranked.grasp.model_copy(update={"aperture": narrower})
+            gained = swept_clearance(slim, self.neighbours_w)
+            if gained > clearance + 0.002:
+                clearance, opening = gained, narrower
+        return self._graded(item, prior, force, min(clearance, FREE), opening, narrow_exists)
+
+    def _clear(self, ranked: Ranked, required: float) -> bool:
+        if not self.use_clearance or ranked.clearance >= required:
+            return True
+        self._reject("too close to a neighbour")
+        return False
+
+    def _reject(self, reason: str) -> None:
+        self.rejected[reason] = self.rejected.get(reason, 0) + 1

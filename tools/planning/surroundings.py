@@ -1,0 +1,59 @@
+"""What stands around the target, as points that the hand must not sweep over."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kb.percept import PerceivedObject, Percept
+from tools.planning.candidate import Array
+
+REACH_OF_HAND = 0.32
+"""Objects farther from the target than this can't be met by the hand [m]: half a hand, the lift and a margin."""
+POINTS_PER_OBJECT = 300
+"""Enough for 5-mm gaps on the surfaces of things this size."""
+
+
+def surroundings(percept: Percept, target: str) -> Array:
+    """Surface points of the target's neighbours, seen and mirrored, shape (N, 3) [m].
+
+    A camera sees the near side only; things on tables are nearly always symmetric about their vertical axis, so the far
+    side is taken as the near one turned by half a turn.
+    """
+    centre = np.asarray(percept.object(target).position)
+    clouds = [
+        completed(other)
+        for other in percept.objects
+        if other.id != target and float(np.linalg.norm(np.asarray(other.position) - centre)[()]) < reach(other)
+    ]
+    return np.concatenate(clouds) if clouds else np.zeros((0, 3))
+
+
+def reach(other: PerceivedObject) -> float:
+    """Distance of centres within which an object matters [m]."""
+    return REACH_OF_HAND + max(other.size) / 2
+
+
+def completed(other: PerceivedObject) -> Array:
+    """Observed points of an object and the same turned half around its vertical axis, shape (N, 3) [m]."""
+    points_w = other.surface_points()
+    if len(points_w) < 8:
+        return box_points(other)
+    if len(points_w) > POINTS_PER_OBJECT:
+        points_w = points_w[np.linspace(0, len(points_w) - 1, POINTS_PER_OBJECT).astype(int)]
+    turned = points_w.copy()
+    turned[:, :2] = 2 * np.asarray(other.position)[:2] - turned[:, :2]
+    return np.concatenate([points_w, turned])
+
+
+def box_points(other: PerceivedObject) -> Array:
+    """Points on the sides and the top of the perceived box, about 15 mm apart, shape (N, 3) [m]."""
+    counts = [max(2, int(np.ceil(extent / 0.015)) + 1) for extent in other.size]
+    axes = [np.linspace(-0.5, 0.5, n) for n in counts]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    shell = grid[np.isclose(np.abs(grid[:, :2]), 0.5).any(axis=1) | np.isclose(grid[:, 2], 0.5)]
+    local = shell * np.asarray(other.size)
+    cosine, sine = np.cos(other.yaw), np.sin(other.yaw)
+    turned = local.copy()
+    turned[:, 0] = cosine * local[:, 0] - sine * local[:, 1]
+    turned[:, 1] = sine * local[:, 0] + cosine * local[:, 1]
+    return turned + np.asarray(other.position)
