@@ -1,0 +1,97 @@
+"""The robot as a cloud of spheres, for fast clearance of many configurations at once.
+
+Links are covered by spheres along their collision capsules; the hand by points on its boxes with a small radius.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.build_model import TABLE_CENTRE, TABLE_HALF
+from sim.hand import FINGER_BOXES, FINGER_OFFSET, PALM_BOXES
+from sim.kinematics import link_poses
+from sim.panda import LINKS
+
+Array = NDArray[np.float64]
+
+HAND_LINK = 7
+"""Index of the hand in `link_poses`."""
+POINT_SPACING = 0.03
+"""Largest gap between points on the hand's faces [m]."""
+POINT_RADIUS = 0.006
+"""Radius of the hand's points [m]: half a pad's thickness, so that nothing slips between them unnoticed."""
+
+
+def _link_spheres() -> tuple[Array, NDArray[np.int64], Array]:
+    centres, owners, radii = [], [], []
+    for number, link in enumerate(LINKS):
+        for first, second, radius in link.capsules:
+            a, b = np.array(first, float), np.array(second, float)
+            count = max(2, int(np.ceil(np.linalg.norm(b - a) / (0.8 * radius))) + 1)
+            for share in np.linspace(0.0, 1.0, count):
+                centres.append(a + share * (b - a))
+                owners.append(number)
+                radii.append(radius)
+    return np.array(centres), np.array(owners), np.array(radii)
+
+
+def _hand_points(aperture: float = 0.08) -> Array:
+    """Points on the faces of the hand's boxes in the hand frame (P, 3)."""
+    points = []
+    boxes = [(np.array(c), np.array(h)) for c, h in PALM_BOXES]
+    for sign in (1.0, -1.0):
+        for centre, half in FINGER_BOXES:
+            boxes.append((np.array([centre[0], sign * (centre[1] + aperture / 2), centre[2] + FINGER_OFFSET]), np.array(half)))
+    for centre, half in boxes:
+        inner = half - POINT_RADIUS * 0.5
+        counts = np.maximum(2, np.ceil(2 * half / POINT_SPACING).astype(int) + 1)
+        grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, n) for n in counts], indexing="ij"), -1).reshape(-1, 3)
+        surface = grid[(np.abs(grid) > 0.999).any(axis=1)]
+        points.append(centre + surface * inner)
+    return np.concatenate(points)
+
+
+_CENTRES, _OWNERS, _RADII = _link_spheres()
+_POINTS = _hand_points()
+_ALL_CENTRES = np.concatenate([_CENTRES, _POINTS])
+_ALL_OWNERS = np.concatenate([_OWNERS, np.full(len(_POINTS), HAND_LINK)])
+RADII = np.concatenate([_RADII, np.full(len(_POINTS), POINT_RADIUS)])
+"""Radii of all spheres [m], shape (S,)."""
+DISTAL_FROM = 4
+"""Link index from which the arm could meet its own base (link 5 on)."""
+_DISTAL = _ALL_OWNERS >= DISTAL_FROM
+_ON_TABLE = _ALL_OWNERS >= 2
+_BASE_CAPSULES = (((-0.09, 0.0, 0.06), (0.0, 0.0, 0.06), 0.06), ((0.0, 0.0, 0.05), (0.0, 0.0, 0.333), 0.06))
+"""Base and column of the robot itself: end points and radius [m]."""
+
+
+def spheres(joints: Array) -> Array:
+    """Centres of all spheres in the world frame, shape (N, S, 3), for configurations (N, 7)."""
+    poses = link_poses(joints)[:, _ALL_OWNERS]
+    return np.einsum("nsij,sj->nsi", poses[..., :3, :3], _ALL_CENTRES) + poses[..., :3, 3]
+
+
+def table_clearance(joints: Array) -> float:
+    """Smallest distance of the arm's links (hand left out: its own check is exact) from the table [m]."""
+    centres = spheres(joints)[:, : len(_CENTRES)][:, _OWNERS >= 2]
+    return float(_above_table(centres, _RADII[_OWNERS >= 2]).min())
+
+
+def _above_table(centres: Array, radii: Array) -> Array:
+    """Signed distance (N, S) of spheres from the table's box."""
+    outside = np.abs(centres - np.asarray(TABLE_CENTRE)) - np.asarray(TABLE_HALF)
+    positive = np.maximum(outside, 0.0)
+    return np.sqrt((positive**2).sum(-1)) + np.minimum(outside.max(-1), 0.0) - radii
+
+
+def setting_clearance(centres: Array) -> Array:
+    """Smallest distance of each configuration's spheres (N, S, 3) from table and own base [m], shape (N,)."""
+    best = _above_table(centres[:, _ON_TABLE], RADII[_ON_TABLE]).min(axis=1)
+    moving, radii = centres[:, _DISTAL], RADII[_DISTAL]
+    for first, second, radius in _BASE_CAPSULES:
+        a, along = np.array(first), np.array(second) - np.array(first)
+        share = np.clip((moving - a) @ along / (along @ along), 0.0, 1.0)
+        distance = np.linalg.norm(moving - a - share[..., None] * along, axis=-1) - radius - radii
+        best = np.minimum(best, distance.min(axis=1))
+    return best

@@ -1,0 +1,207 @@
+"""Can the arm make a grasp's straight approach and vertical lift, and with which joint angles?
+
+One grasp costs a few milliseconds. Both ways round of the hand, up to four arm configurations and samples of the last
+joint are tried; a solution must reach the pre-grasp, every point of the approach and of the lift without a jump, keep the
+limits, and keep the arm's links off the table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.grasp import Grasp
+from sim.arm_shape import table_clearance
+from sim.hand import FULL_LIFT
+from sim.kinematics import (
+    flipped,
+    forward,
+    grasp_pose,
+    inverse,
+    inverse_many,
+    pose_error,
+    refine,
+    within_limits,
+)
+from sim.panda import Q_MAX, Q_MIN, READY
+
+Array = NDArray[np.float64]
+
+Q7_SAMPLES = np.linspace(-2.75, 2.75, 23)
+"""Sampled last joint angles [rad]."""
+APPROACH_KNOTS, LIFT_KNOTS = 9, 9
+MAX_JUMP = 0.30
+"""Largest change of a joint between neighbouring path samples [rad]."""
+START_MARGIN = 0.08
+"""Distance from the joint limits that a grasp configuration keeps [rad]."""
+TRIES = 24
+"""Configurations whose lines are followed before giving up, best cost first."""
+LINK_CLEARANCE = 0.005
+"""Distance that the arm's links keep from the table [m]."""
+COST = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 0.3])
+"""Weights of joint distances: the wrist is cheap to turn."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Joint angles for one grasp, from the pre-grasp through the grasp to the top of the lift."""
+
+    joints: Array
+    """At the grasp [rad], shape (7,)."""
+    approach: Array
+    """From the pre-grasp to the grasp, evenly spaced along the line, shape (K, 7)."""
+    lift: Array
+    """From the grasp straight up, evenly spaced, shape (K, 7)."""
+    cost: float
+    """Weighted squared joint distance from the start and the ready pose [rad^2]."""
+    residual: float = 0.0
+    """Error of the closed-form solution at the grasp [m]."""
+
+    @property
+    def pregrasp(self) -> Array:
+        """Joint angles at the pre-grasp (7,)."""
+        return self.approach[0]
+
+
+@dataclass(frozen=True)
+class Unreachable:
+    """No configuration makes the motion."""
+
+    residual: float
+    """Distance of the nearest possible tool pose from the wanted one [m] (0 if only the path is impossible)."""
+    reason: str
+    """"grasp", "approach" or "lift": the first part that cannot be reached; "table": an arm link would touch it."""
+
+
+def solve_reach(grasp: Grasp, start: Array | None = None, *, lift: float = FULL_LIFT) -> Reach | Unreachable:
+    """The best way to make a grasp, or why there is none.
+
+    Args:
+        grasp: The grasp.
+        start: Joint angles from which the arm comes [rad], shape (7,); the ready pose if left out.
+        lift: Height of the lift [m].
+    """
+    found = solve_reaches(grasp, start, lift=lift, options=1)
+    return found[0] if isinstance(found, tuple) else found
+
+
+def solve_reaches(
+    grasp: Grasp, start: Array | None = None, *, lift: float = FULL_LIFT, options: int = 3
+) -> tuple[Reach, ...] | Unreachable:
+    """Up to `options` ways to make a grasp, best first and different from each other, or why there is none."""
+    start = READY if start is None else np.asarray(start, float)
+    poses = (grasp_pose(grasp), flipped(grasp_pose(grasp)))
+    ranked = list(_ranked(poses, start))
+    if not ranked:
+        return Unreachable(_residual(poses, start), "grasp")
+    found: list[Reach] = []
+    failures: list[str] = []
+    for cost, joints, pose in ranked[:TRIES]:
+        if any(np.abs(other.joints - joints).max() < 0.5 for other in found):
+            continue
+        result = _follow(grasp, pose, joints, cost, lift)
+        if isinstance(result, Reach):
+            found.append(result)
+            if len(found) >= options:
+                break
+        else:
+            failures.append(result)
+    if found:
+        return tuple(found)
+    return Unreachable(0.0, max(set(failures), key=failures.count))
+
+
+def reach_from(grasp: Grasp, joints: Array, *, lift: float = FULL_LIFT) -> Reach | Unreachable:
+    """The motion through given joint angles at the grasp, as a plan stored them (shape (7,))."""
+    joints = np.asarray(joints, float)
+    pose = forward(joints)
+    wanted = grasp_pose(grasp)
+    error = min((pose_error(option, pose) for option in (wanted, flipped(wanted))), key=lambda e: float(np.abs(e).max()))
+    distance = float(np.linalg.norm(error[:3]))
+    if distance > 1e-3 or float(np.linalg.norm(error[3:])) > 1e-2:
+        return Unreachable(distance, "grasp")
+    result = _follow(grasp, pose, joints, 0.0, lift)
+    return result if isinstance(result, Reach) else Unreachable(0.0, result)
+
+
+def line(pose: Array, offsets: Array, joints: Array, *, q7_drift: float = 0.0) -> Array | None:
+    """Joint angles along a straight line of tool positions with a fixed orientation, or None.
+
+    Args:
+        pose: Tool pose at the line's beginning (4, 4).
+        offsets: Displacements from it in the world frame [m], shape (K, 3), the first one usually zero.
+        joints: Configuration to be continuous with at the beginning (7,).
+        q7_drift: Change of the last joint over the line [rad]: opens lines that no constant angle allows.
+    """
+    path = np.empty((len(offsets), 7))
+    target = pose.copy()
+    last = joints
+    for index, offset in enumerate(offsets):
+        target[:3, 3] = pose[:3, 3] + offset
+        q7 = joints[6] + q7_drift * index / (len(offsets) - 1)
+        solutions = inverse(target, float(q7), last)
+        if not len(solutions):
+            return None
+        jumps = np.abs(solutions - last).max(axis=1)
+        best = int(jumps.argmin())
+        if jumps[best] > MAX_JUMP:
+            return None
+        path[index] = last = solutions[best]
+    return path if within_limits(path).all() else None
+
+
+DRIFTS = (0.0, 0.5, -0.5, 1.0, -1.0)
+"""Changes of the last joint tried along a line [rad]."""
+
+
+def _follow(grasp: Grasp, pose: Array, joints: Array, cost: float, lift: float) -> Reach | str:
+    """The whole motion through one configuration, or the part that fails."""
+    direction = np.asarray(grasp.approach) / np.linalg.norm(grasp.approach)
+    back = _line_any(pose, -grasp.standoff * np.linspace(0, 1, APPROACH_KNOTS)[:, None] * direction, joints)
+    if back is None:
+        return "approach"
+    up = _line_any(pose, lift * np.linspace(0, 1, LIFT_KNOTS)[:, None] * np.array([0.0, 0.0, 1.0]), joints)
+    if up is None:
+        return "lift"
+    if table_clearance(back[[0, APPROACH_KNOTS // 2, -1]]) < LINK_CLEARANCE or table_clearance(up[:1]) < LINK_CLEARANCE:
+        return "table"
+    residual = float(np.linalg.norm(forward(joints)[:3, 3] - pose[:3, 3]))
+    return Reach(joints, back[::-1].copy(), up, cost, residual)
+
+
+def _line_any(pose: Array, offsets: Array, joints: Array) -> Array | None:
+    for drift in DRIFTS:
+        path = line(pose, offsets, joints, q7_drift=drift)
+        if path is not None:
+            return path
+    return None
+
+
+def _ranked(poses: tuple[Array, ...], start: Array) -> Iterator[tuple[float, Array, Array]]:
+    """Grasp configurations with their pose, cheapest first."""
+    everything: list[tuple[float, Array, Array]] = []
+    for pose in poses:
+        solutions = inverse_many(pose, Q7_SAMPLES, start, START_MARGIN)
+        if len(solutions):
+            costs = _cost(solutions, start)
+            everything.extend((float(cost), joints, pose) for cost, joints in zip(costs, solutions, strict=True))
+    everything.sort(key=lambda item: item[0])
+    yield from everything
+
+
+def _cost(joints: Array, start: Array) -> Array:
+    """Squared distance from the start and from the ready pose, plus a price for nearness to the limits; shape (K,)."""
+    from_start = (COST * (joints - start) ** 2).sum(axis=1)
+    from_ready = (COST * (joints - READY) ** 2).sum(axis=1)
+    margin = np.minimum(joints - Q_MIN, Q_MAX - joints)
+    return 0.5 * from_start + 0.5 * from_ready + (np.maximum(0.35 - margin, 0.0) ** 2).sum(axis=1) * 10.0
+
+
+def _residual(poses: tuple[Array, ...], start: Array) -> float:
+    """How far the nearest possible tool pose is from the wanted one [m], by descent from start and ready pose."""
+    turned = start.copy()
+    turned[0] = np.clip(np.arctan2(poses[0][1, 3], poses[0][0, 3]), Q_MIN[0] + 0.1, Q_MAX[0] - 0.1)
+    return min(refine(pose, turned, steps=40)[1] for pose in poses)
