@@ -1,0 +1,163 @@
+"""Choose the correction of a failed grasp at the level of the attempt being prepared (Sec. IV-B; ledger G18, G19).
+
+Level 1 tunes parameters by the rule of the failure type, bent by what was measured; level 2 rotates the grasp type with
+10 % less force; level 3 plans anew from the next unused experience with a perturbed position.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+
+from kb.base import Finite, Noun, Vec3
+from kb.constraint import Constraints
+from kb.corrections import LEVEL2_FORCE_SCALE, LEVEL3_NOISE, TYPE_ROTATION, correction_rule
+from kb.experience import Retrieval
+from kb.grasp import MAX_APERTURE, MAX_FORCE, MIN_FORCE, GraspField
+from kb.sensing import Correction, Evidence, Plan
+from kb.vocabulary import FailureType, GraspType
+from sim.quality import THRESHOLDS, TYPE_MATCH, minimum_force
+from tools.context import ToolContext
+
+MOVED_PLACES: frozenset[FailureType] = frozenset(
+    {"COLLISION", "APPROACH_ANGLE", "ORIENTATION", "UNREACHABLE_POSE", "CONSTRAINT_VIOLATION", "WIDTH_MISMATCH"}
+)
+"""Failures that say the place was wrong, so that the same candidate isn't tried again."""
+SQUEEZED_OUT = 0.6
+"""Share of the local width below which the fingers closed on little or nothing after having met the object."""
+
+
+class CorrectArgs(Noun):
+    """Arguments of `correct_grasp`."""
+
+    failure: FailureType
+    level: int = Field(ge=1, le=3)
+    """Level of the attempt being prepared."""
+    plan: Plan
+    """The plan that failed."""
+    evidence: Evidence
+    retrieval: Retrieval | None = None
+    constraints: Constraints = Field(default_factory=Constraints)
+    history: tuple[Any, ...] = ()
+    """Earlier failed attempts of the goal: anything with `candidate`, `region`, `grasp` and `experiences`."""
+
+
+def correct_grasp(args: CorrectArgs, context: ToolContext) -> Correction:
+    """The correction for the next attempt.
+
+    Args:
+        args: What failed, how, at which level, and what was tried before.
+        context: Random generator for level 3's perturbation.
+
+    Returns:
+        Changes to be applied by `plan_grasp` on freshly perceived geometry.
+    """
+    if args.level == 1:
+        return _tune(args)
+    if args.level == 2:
+        return _rotate_type(args)
+    return _replan(args, context)
+
+
+def _tune(args: CorrectArgs) -> Correction:
+    """Level 1: the rule of the failure type."""
+    rule, grasp = correction_rule(args.failure), args.plan.grasp
+    changes: dict[GraspField, Finite | str | Vec3] = {}
+    for field, factor in rule.scale.items():
+        changes[field] = float(getattr(grasp, field)) * factor
+    for field, summand in rule.add.items():
+        changes[field] = float(getattr(grasp, field)) + summand
+    changes.update(rule.set)
+    offset: Vec3 = (0.0, 0.0, 0.0)
+    name, margin = rule.name, 1.0
+    exclude = (args.plan.candidate,) if args.failure in MOVED_PLACES else ()
+    for action in rule.actions:
+        if action == "lower_if_squeezed_out" and squeezed_out(args):
+            # Leaving while closing is no lack of force: more would press it out faster (physics.md).
+            changes.pop("force", None)
+            offset, name = (0.0, 0.0, -(rule.amount or 0.0)), "squeeze-out: lower, not stronger"
+        elif action == "approach_vertical":
+            changes["approach"] = (0.0, 0.0, -1.0)
+        elif action == "widen_margins":
+            margin = rule.amount or 1.0
+        elif action == "next_experience":
+            exclude = (*exclude, *used_experiences(args.plan))
+        elif action == "other_region_if_fully_open" and grasp.aperture >= MAX_APERTURE - 1e-6:
+            changes.pop("aperture", None)
+    if args.failure == "COLLISION":
+        margin = 1.5
+    return _tidy(args, Correction(
+        failure=args.failure, level=1, rule=name, changes=changes, offset=offset, exclude=_all_excluded(args, exclude),
+        margin=margin,
+    ))  # fmt: skip
+
+
+def squeezed_out(args: CorrectArgs) -> bool:
+    """Whether the object left while the fingers closed, rather than sank while they rose."""
+    sensed = args.evidence.sensing
+    return sensed.load_lifted < 0.01 and sensed.aperture_closed < SQUEEZED_OUT * args.plan.local_width
+
+
+def _rotate_type(args: CorrectArgs) -> Correction:
+    """Level 2: power -> pinch -> side -> power, skipping types unfit for the affordance, force x 0.9 (G19b)."""
+    current = args.plan.grasp.type
+    order = TYPE_ROTATION[TYPE_ROTATION.index(current) + 1 :] + TYPE_ROTATION[: TYPE_ROTATION.index(current)]
+    fits = [type_ for type_ in order if _fits(type_, args)]
+    chosen: GraspType = fits[0] if fits else order[0]
+    force = max(MIN_FORCE, args.plan.grasp.force * LEVEL2_FORCE_SCALE)
+    return _tidy(args, Correction(
+        failure=args.failure, level=2, rule=f"type {current} -> {chosen}, force x {LEVEL2_FORCE_SCALE:g}",
+        changes={"type": chosen, "force": force}, exclude=_all_excluded(args, (args.plan.candidate,)),
+    ))  # fmt: skip
+
+
+def _fits(type_: GraspType, args: CorrectArgs) -> bool:
+    kinds = [item.experience.affordance.type for item in args.retrieval.top] if args.retrieval else []
+    return not kinds or TYPE_MATCH[kinds[0]][type_] >= THRESHOLDS[3]
+
+
+def _replan(args: CorrectArgs, context: ToolContext) -> Correction:
+    """Level 3: next unused experience, constraints anew, epsilon ~ U(-0.01, 0.01)^3 on the position only (G19c)."""
+    noise = context.rng.uniform(-LEVEL3_NOISE, LEVEL3_NOISE, 3)
+    offset: Vec3 = (float(noise[0]), float(noise[1]), float(noise[2]))
+    exclude = _all_excluded(args, (args.plan.candidate, *used_experiences(args.plan)))
+    return Correction(
+        failure=args.failure, level=3, rule="plan anew from the next experience, position +- 1 cm", offset=offset,
+        exclude=exclude,
+    )  # fmt: skip
+
+
+def used_experiences(plan: Plan) -> tuple[str, ...]:
+    """Ids of the experiences and memories that a plan's numbers come from."""
+    ids = {step.id for steps in plan.provenance.values() for step in steps if step.source in ("experience", "memory")}
+    return tuple(sorted(ids))
+
+
+def _all_excluded(args: CorrectArgs, more: tuple[str, ...]) -> tuple[str, ...]:
+    """What this correction excludes, with the candidates that failed for their place before."""
+    earlier = [
+        entry.candidate
+        for entry in args.history
+        if getattr(entry, "candidate", "") and getattr(entry, "failure", None) in MOVED_PLACES
+    ]
+    return tuple(dict.fromkeys((*more, *earlier)))
+
+
+def _tidy(args: CorrectArgs, correction: Correction) -> Correction:
+    """Keeps the changed numbers within the hand's limits, and the force above what the measured load needs."""
+    changes = dict(correction.changes)
+    if "force" in changes:
+        force = float(str(changes["force"]))
+        load = max(args.evidence.sensing.load_lifted, args.evidence.sensing.load_end)
+        if load > 0.01 and correction.failure in ("SLIP", "DROP"):
+            # The wrist has weighed it: friction assumed low, the force must hold that mass.
+            force = max(force, minimum_force(load, 0.4))
+        changes["force"] = min(MAX_FORCE, max(MIN_FORCE, force))
+    if "aperture" in changes:
+        changes["aperture"] = min(MAX_APERTURE, float(str(changes["aperture"])))
+    if "standoff" in changes:
+        changes["standoff"] = min(0.20, float(str(changes["standoff"])))
+    if "speed" in changes:
+        changes["speed"] = min(1.0, max(0.1, float(str(changes["speed"]))))
+    return correction.model_copy(update={"changes": changes})

@@ -1,0 +1,1 @@
+"""Parts of the diagnosis: doubts about success, and the first anomalous event in time."""

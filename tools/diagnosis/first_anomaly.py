@@ -1,0 +1,154 @@
+"""The first anomalous event of an attempt, in the order of time (ledger G17, from observables only)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from kb.constraint import Constraints
+from kb.percept import PerceivedObject, Percept
+from kb.sensing import Evidence, Plan
+from kb.vocabulary import FailureType
+from sim.hand import swept_distances
+from sim.quality import COMPLIANT, maximum_force
+from tools.diagnosis.claim import CLOSED_EMPTY, LEAST_LOAD, SUNK, WIDTH_SURPRISE
+from tools.planning.surroundings import surroundings
+
+NEAR = 0.012
+"""A sweep that passes a neighbour this closely may have met it [m]: perception's error and the reflex's overshoot."""
+TIGHT = 0.004
+"""An opening that exceeds the local width by less than this lets the fingers land on the object [m]."""
+
+
+@dataclass(frozen=True)
+class Anomaly:
+    """A failure type with the readings that decided."""
+
+    failure: FailureType
+    confidence: float
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """All that the tests below may look at."""
+
+    plan: Plan
+    evidence: Evidence
+    constraints: Constraints
+    target: PerceivedObject
+    percept: Percept
+
+
+def first_anomaly(
+    plan: Plan, evidence: Evidence, constraints: Constraints, target: PerceivedObject, percept: Percept
+) -> Anomaly:
+    """Walks the phases in their order and returns the first event that explains the failure."""
+    case = Case(plan, evidence, constraints, target, percept)
+    tests: tuple[Callable[[Case], Anomaly | None], ...] = (
+        _before_moving,
+        _on_the_way,
+        _while_closing,
+        _wrong_object,
+        _while_lifting,
+        _while_holding,
+        _afterwards,
+    )
+    for test in tests:
+        anomaly = test(case)
+        if anomaly is not None:
+            return anomaly
+    return Anomaly("UNKNOWN", 0.3, ("no reading explains it",))
+
+
+def _before_moving(case: Case) -> Anomaly | None:
+    sensed = case.evidence.sensing
+    if not sensed.reachable or sensed.stopped_by in ("unreachable", "path"):
+        reason = f"nearest arm posture misses the pose by {1000 * sensed.ik_residual:.0f} mm"
+        return Anomaly("UNREACHABLE_POSE", 0.98, (reason,))
+    if sensed.stopped_by == "timeout":
+        return Anomaly("TIMEOUT", 0.98, (f"{sensed.sim_time:.0f} s were not enough",))
+    if sensed.stopped_by == "stop":
+        return Anomaly("UNKNOWN", 0.9, ("a person stopped the motion",))
+    return None
+
+
+def _on_the_way(case: Case) -> Anomaly | None:
+    """The reflex fired before the fingers closed: what was met?"""
+    sensed = case.evidence.sensing
+    if sensed.stopped_by != "force" or sensed.phase not in ("transit", "approach"):
+        return None
+    said = f"{sensed.abort_force:.0f} N stopped the {sensed.phase}"
+    neighbours = surroundings(case.percept, case.target.id)
+    gap = float(swept_distances(case.plan.grasp, neighbours).min()) if len(neighbours) else np.inf
+    if case.plan.grasp.aperture < case.plan.local_width + TIGHT:
+        return Anomaly("WIDTH_MISMATCH", 0.7, (said, "the fingers were hardly wider apart than the object"))
+    if gap < NEAR:
+        return Anomaly("COLLISION", 0.8, (said, f"the hand passes a neighbour at {1000 * gap:.0f} mm"))
+    if _tips_above_table(case) < NEAR:
+        return Anomaly("APPROACH_ANGLE", 0.7, (said, "the fingertips were at the table"))
+    return Anomaly("POSITION_ERROR", 0.6, (said, "nothing but the target was near"))
+
+
+def _tips_above_table(case: Case) -> float:
+    """Height of the lowest fingertip corner at the planned grasp [m]."""
+    grasp = case.plan.grasp
+    rotation = grasp.rotation()
+    corners = [np.array([x, y, 0.0088]) for x in (-0.0105, 0.0105) for y in (-0.055, 0.055)]
+    return float(min((rotation @ corner)[2] for corner in corners) + grasp.position[2])
+
+
+def _while_closing(case: Case) -> Anomaly | None:
+    sensed = case.evidence.sensing
+    bearable = maximum_force(case.target.affordance.fragility)
+    if sensed.closing_force_peak > bearable:
+        kind: FailureType = "DEFORMATION" if case.target.affordance.material in COMPLIANT else "FORCE_DAMAGE"
+        return Anomaly(kind, 0.7, (f"{sensed.closing_force_peak:.0f} N while closing, {bearable:.0f} N is bearable",))
+    if sensed.aperture_closed < CLOSED_EMPTY:
+        return Anomaly("POSITION_ERROR", 0.8, ("the fingers closed on nothing",))
+    return None
+
+
+def _wrong_object(case: Case) -> Anomaly | None:
+    sensed, camera = case.evidence.sensing, case.evidence.camera
+    off = abs(sensed.aperture_closed - case.plan.local_width)
+    carried = sensed.load_end > LEAST_LOAD and sensed.aperture_end > CLOSED_EMPTY
+    stays = camera is not None and camera.target_visible and camera.target_moved < 0.02
+    if carried and (stays or (camera is None and off > WIDTH_SURPRISE)):
+        return Anomaly("WRONG_OBJECT", 0.8, (f"{sensed.load_end:.3f} kg are held, the target is not it",))
+    return None
+
+
+def _while_lifting(case: Case) -> Anomaly | None:
+    sensed = case.evidence.sensing
+    off = sensed.aperture_closed - case.plan.local_width
+    never = sensed.load_lifted < max(LEAST_LOAD, 0.3 * case.target.mass[0])
+    if never and off > WIDTH_SURPRISE:
+        return Anomaly("ORIENTATION", 0.6, (f"the fingers met {1000 * off:.0f} mm more than expected, nothing rose",))
+    if never:
+        return Anomaly("SLIP", 0.7, ("the fingers closed on the object, but it did not rise with them",))
+    return None
+
+
+def _while_holding(case: Case) -> Anomaly | None:
+    sensed = case.evidence.sensing
+    gone = sensed.aperture_end < CLOSED_EMPTY or sensed.load_end < 0.3 * sensed.load_lifted
+    if gone:
+        return Anomaly("DROP", 0.8, (f"{sensed.load_lifted:.3f} kg were lifted and lost after {sensed.held_s:.1f} s",))
+    if abs(sensed.aperture_end - sensed.aperture_closed) > SUNK:
+        return Anomaly("SLIP", 0.7, ("the object moved between the fingers",))
+    return None
+
+
+def _afterwards(case: Case) -> Anomaly | None:
+    camera = case.evidence.camera
+    protected = {item.target for item in case.constraints.active}
+    if camera is not None:
+        touched = [name for name in (*camera.others_moved, *camera.missing) if name in protected]
+        if touched or (camera.missing and case.constraints.active):
+            return Anomaly("CONSTRAINT_VIOLATION", 0.8, (f"{', '.join(touched or camera.missing)} moved",))
+        if camera.deformed:
+            return Anomaly("DEFORMATION", 0.7, ("the object changed its shape",))
+    return None

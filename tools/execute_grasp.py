@@ -1,0 +1,55 @@
+"""Execute a planned grasp: the robot moves, closes, lifts, holds and shakes, and reports what it sensed."""
+
+from __future__ import annotations
+
+from kb.base import Noun
+from kb.errors import BadInputError
+from kb.percept import PerceivedObject, Percept
+from kb.sensing import Plan, Sensing
+from sim.quality import maximum_force
+from tools.context import ToolContext
+from tools.planning.obstacles import obstacles
+
+ABORT_FORCE = 30.0
+"""Wrist force at which the reflex stops the hand [N] (benchmark.md section 3)."""
+
+
+class ExecuteArgs(Noun):
+    """Arguments of `execute_grasp`."""
+
+    plan: Plan
+    percept: Percept
+    """The look that the plan was made on: everything else on the table is kept clear of."""
+    target: str
+    """Perceived id."""
+
+
+def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
+    """Carries out the grasp of a plan.
+
+    Args:
+        args: The plan, and what is around it.
+        context: The robot.
+
+    Returns:
+        What joint encoders, motors, wrist and fingers sensed. A failed grasp is a value.
+
+    Raises:
+        BadInputError: if the target is not among the perceived objects.
+    """
+    try:
+        target = args.percept.object(args.target)
+    except KeyError:
+        seen = [item.id for item in args.percept.objects]
+        raise BadInputError(f"no object {args.target!r} in this percept", where="target", choices=seen) from None
+    return context.robot.grasp(
+        args.plan.grasp,
+        joints=args.plan.joints or None,
+        obstacles=obstacles(args.percept),
+        abort_force=abort_force(target),
+    )
+
+
+def abort_force(target: PerceivedObject) -> float:
+    """Force on the hand before closing that stops it [N]: the lower of 30 N and half of what the target bears."""
+    return min(ABORT_FORCE, 0.5 * maximum_force(target.affordance.fragility))
