@@ -1,0 +1,112 @@
+"""Outlines of objects as seen from above, and the free distance between them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.placed import Geom, PlacedObject
+
+Array = NDArray[np.float64]
+_ANGLES = np.arange(32) * (2 * np.pi / 32)
+_CIRCLE = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+
+
+def rotation(quaternion: tuple[float, float, float, float]) -> Array:
+    """Rotation matrix (3, 3) of a quaternion (w, x, y, z), which need not be of unit length."""
+    w, x, y, z = np.asarray(quaternion, float) / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def geom_points(geom: Geom) -> Array:
+    """Points in the object's frame (N, 3) whose convex hull is the geom (circles as 32 points) [m]."""
+    if geom.type == "mesh":
+        local = np.asarray(geom.vertices, float)
+    elif geom.type == "box":
+        signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], float)
+        local = signs * np.asarray(geom.size)
+    elif geom.type == "cylinder":
+        radius, half = geom.size
+        ring = np.column_stack([_CIRCLE * radius, np.zeros(32)])
+        local = np.vstack([ring + np.array([0, 0, half]), ring - np.array([0, 0, half])])
+    else:
+        local = _rounded_points(geom)
+    return local @ rotation(geom.quaternion).T + np.asarray(geom.position)
+
+
+def _rounded_points(geom: Geom) -> Array:
+    """Points on a sphere, ellipsoid or capsule (N, 3) in the geom's frame."""
+    rings = [
+        np.column_stack([_CIRCLE * np.cos(a), np.full(32, np.sin(a))]) for a in np.linspace(-np.pi / 2, np.pi / 2, 9)
+    ]
+    unit = np.vstack(rings)
+    if geom.type == "capsule":
+        radius, half = geom.size
+        return np.vstack([unit * radius + np.array([0, 0, half]), unit * radius - np.array([0, 0, half])])
+    if geom.type == "sphere":
+        return unit * geom.size[0]
+    return unit * np.asarray(geom.size)
+
+
+def world_points(thing: PlacedObject) -> Array:
+    """Points in the world (N, 3) whose pieces' hulls make up the object [m]."""
+    local = np.vstack([geom_points(geom) for geom in thing.geoms])
+    return local @ rotation(thing.quaternion).T + np.asarray(thing.position)
+
+
+def hull(points: Array) -> Array:
+    """Convex hull of points in the plane (N, 2), counter-clockwise (M, 2) (Andrew's monotone chain)."""
+    order = np.unique(np.round(points, 9), axis=0).tolist()
+    if len(order) < 3:
+        return np.asarray(order)
+    chains: list[list[list[float]]] = []
+    for sequence in (order, order[::-1]):
+        chain: list[list[float]] = []
+        for point in sequence:
+            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0:
+                chain.pop()
+            chain.append(point)
+        chains.append(chain[:-1])
+    return np.asarray(chains[0] + chains[1])
+
+
+def _turn(a: list[float], b: list[float], c: list[float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def outline(thing: PlacedObject) -> Array:
+    """Convex outline of the object seen from above, world frame (N, 2) [m]."""
+    return hull(world_points(thing)[:, :2])
+
+
+def gap(one: Array, two: Array) -> float:
+    """Free distance between two convex outlines [m]; negative (the smallest overlap) where they overlap."""
+    overlap = _overlap(one, two)
+    if overlap > 0.0:
+        return -overlap
+    return min(_nearest(one, two), _nearest(two, one))
+
+
+def _overlap(one: Array, two: Array) -> float:
+    """Smallest overlap over all edge normals of both outlines; <= 0 if some line separates them."""
+    edges = np.vstack([np.roll(one, -1, axis=0) - one, np.roll(two, -1, axis=0) - two])
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]])
+    lengths = np.linalg.norm(normals, axis=1)
+    normals = normals[lengths > 1e-12] / lengths[lengths > 1e-12, None]
+    a, b = one @ normals.T, two @ normals.T
+    return float(np.minimum(a.max(0) - b.min(0), b.max(0) - a.min(0)).min())
+
+
+def _nearest(points: Array, polygon: Array) -> float:
+    """Smallest distance of points (N, 2) from the edges of a polygon (M, 2)."""
+    start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
+    length = np.maximum((edge**2).sum(1), 1e-18)
+    along = ((points[:, None] - start) * edge).sum(-1) / length
+    foot = start + np.clip(along, 0.0, 1.0)[..., None] * edge
+    return float(np.linalg.norm(points[:, None] - foot, axis=-1).min())
