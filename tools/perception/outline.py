@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 DIRECTIONS = 180
 """Azimuths at which the support function is taken (2 degrees apart)."""
 
+SPARE = 4
+"""The reach is that of the fourth farthest point: of many noisy points the farthest lies beyond the edge."""
+
 _THETA = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
 _UNIT = np.stack([np.cos(_THETA), np.sin(_THETA)])
 
@@ -29,6 +32,8 @@ class Outline:
 
     support: Array
     """h(theta) about `origin` (DIRECTIONS,) [m]."""
+    shell: Array
+    """The points near the outline (K, 2), relative to `origin` [m]."""
     origin: Array
     """Point about which h is taken (2,) [m]."""
     centre: Array
@@ -50,15 +55,14 @@ class Outline:
         """The smallest rectangle: centre (2,) [m], azimuth of its longer side [rad], longer and shorter side [m]."""
         half, quarter = DIRECTIONS // 2, DIRECTIONS // 4
         width = self.support + np.roll(self.support, -half)
-        area = (width * np.roll(width, -quarter))[:quarter]
-        k = int(np.argmin(area))
-        left, right = area[k - 1], area[(k + 1) % quarter]
-        bend = left - 2 * area[k] + right
-        shift = 0.0 if bend <= 0 else float(np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
-        theta = _THETA[k] + shift * _THETA[1]
-        low, high = self._reach(theta + np.pi), self._reach(theta)
-        right_side, left_side = self._reach(theta - np.pi / 2), self._reach(theta + np.pi / 2)
-        along, across = high + low, left_side + right_side
+        k = int(np.argmin((width * np.roll(width, -quarter))[:quarter]))
+        fine = _THETA[k] + np.deg2rad(np.arange(-2.0, 2.01, 0.25))
+        turns = np.concatenate([fine, fine + np.pi / 2, fine + np.pi, fine - np.pi / 2])
+        reach = _reach_along(self.shell, turns).reshape(4, -1)
+        best = int(np.argmin((reach[0] + reach[2]) * (reach[1] + reach[3])))
+        theta = float(fine[best])
+        high, left_side, low, right_side = reach[:, best]
+        along, across = float(high + low), float(left_side + right_side)
         c, s = np.cos(theta), np.sin(theta)
         a, b = (high - low) / 2, (left_side - right_side) / 2
         centre = self.origin + np.array([a * c - b * s, a * s + b * c])
@@ -66,19 +70,26 @@ class Outline:
             theta, along, across = theta + np.pi / 2, across, along
         return centre, wrap_half_turn(theta), along, across
 
-    def _reach(self, theta: float) -> float:
-        """h at any azimuth [rad], linear between the sampled ones."""
-        place = (theta % (2 * np.pi)) / _THETA[1]
-        low = int(place) % DIRECTIONS
-        share = place - int(place)
-        return float((1 - share) * self.support[low] + share * self.support[(low + 1) % DIRECTIONS])
+
+def _reach_along(xy: Array, azimuths: Array) -> Array:
+    """Reach of points (N, 2) along azimuths (K,) [rad]: the SPARE-th farthest point's, against single noisy ones."""
+    along = xy @ np.stack([np.cos(azimuths), np.sin(azimuths)])
+    spare = min(SPARE, len(xy))
+    return np.partition(along, len(xy) - spare, axis=0)[len(xy) - spare]
+
+
+def _shell(xy: Array) -> Array:
+    """The points (N, 2) that are near the outline in some direction: the only ones that matter for it."""
+    along = xy.astype(np.float32) @ _UNIT[:, ::4].astype(np.float32)
+    return xy[(along > along.max(0) - np.float32(0.005)).any(axis=1)]
 
 
 def outline(xy: Array) -> Outline:
     """The outline of points (N, >= 2) seen from above [m]."""
     xy = xy[:, :2]
     origin = (xy.min(0) + xy.max(0)) / 2
-    support = ((xy - origin).astype(np.float32) @ _UNIT.astype(np.float32)).max(0).astype(np.float64)
+    shell = _shell(xy - origin)
+    support = _reach_along(shell, _THETA)
     a = np.column_stack([_UNIT.T, np.ones(DIRECTIONS)])
     keep = np.ones(DIRECTIONS, bool)
     solution = np.zeros(3)
@@ -94,6 +105,7 @@ def outline(xy: Array) -> Outline:
     x, y = corner[:, 0], corner[:, 1]
     return Outline(
         support=support,
+        shell=shell,
         origin=origin,
         centre=origin + solution[:2],
         radius=radius,

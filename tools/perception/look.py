@@ -1,0 +1,51 @@
+"""From pictures to colour pieces: the stages before any decision about objects, and one object measured alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kb.errors import BadInputError
+from kb.rgbd import RgbdView
+from tools.perception.blobs import BlobMaker, blob_maker
+from tools.perception.calibrate_view import CalibratedView, calibrate_view
+from tools.perception.measure import Measured, measure
+from tools.perception.object_points import object_points
+from tools.perception.segment import Pieces, segment
+
+
+@dataclass(frozen=True)
+class Look:
+    """Both pictures, calibrated and cut into pieces."""
+
+    views: tuple[CalibratedView, ...]
+    pieces: Pieces
+    maker: BlobMaker
+
+
+def take_apart(views: tuple[RgbdView, ...]) -> Look:
+    """Calibrates the views, drops the table and cuts the rest into pieces.
+
+    Raises:
+        BadInputError: if the front or the top view is missing.
+    """
+    names = [view.name for view in views]
+    for name in ("front", "top"):
+        if name not in names:
+            raise BadInputError(f"perception needs the {name} view", where="views", choices=("front", "top"))
+    ready = tuple(calibrate_view(view) for view in views)
+    points = object_points(ready)
+    pieces = segment(points)
+    return Look(ready, pieces, blob_maker(ready, points, pieces))
+
+
+def measure_alone(views: tuple[RgbdView, ...]) -> Measured | None:
+    """The largest thing on the table, all its pieces together; None if there is none. For reference views."""
+    look = take_apart(views)
+    if not len(look.pieces.cluster):
+        return None
+    amount = np.bincount(look.maker.label[look.maker.label >= 0], minlength=len(look.pieces.cluster))
+    weight = np.bincount(look.pieces.cluster, weights=amount)
+    chosen = np.flatnonzero(look.pieces.cluster == int(np.argmax(weight)))
+    return measure(look.maker.blob(tuple(int(piece) for piece in chosen)))

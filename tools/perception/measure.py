@@ -1,0 +1,243 @@
+"""Measure one object from its points: box, outline, ball, profile over height, hollow, widths along its length.
+
+Nothing here knows categories: what is reported as size and position is measured. The numbers become features
+(`tools.perception.features`), parts (`tools.perception.parts`) and the percept's box.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tools.perception.outline import Outline, outline
+from tools.perception.sphere import Sphere, fit_sphere
+from tools.perception.upright_box import UprightBox
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+LEVELS = 12
+"""Heights at which the profile of an object is measured."""
+
+STATIONS = 12
+"""Places along an object's longer axis at which its width is measured."""
+
+ROUND = 0.035
+"""Outlines with less roughness are round."""
+
+BALL_RESIDUAL = 0.0022
+"""Points of a ball lie this near to the fitted one [m]."""
+
+TOP_BIAS = (0.0007, 0.0018)
+"""The mean of the highest points lies this far above the top, for opaque and for clear things (noisier) [m]."""
+
+CLEAR_LOSS = 0.25
+"""Things around whose points more than this share of the pixels is unmeasured are transparent."""
+
+
+@dataclass(frozen=True)
+class Blob:
+    """The points taken to be one object."""
+
+    xyz: Array
+    """(N, 3) [m], world."""
+    rgb: Array
+    """(N, 3) in [0, 1]."""
+    from_top: Mask
+    """Seen by the top camera (N,)."""
+    lost: Array
+    """Share of unmeasured pixels around each point (N,)."""
+    pieces: tuple[int, ...]
+    """Colour pieces it consists of."""
+    second_share: float
+    """Share of the points that do not belong to the largest piece."""
+    eyes: Array
+    """Positions of the front and top camera (2, 3) [m]."""
+    pixel: NDArray[np.intp]
+    """Flat pixel index of each point in its view (N,)."""
+    low: Array
+    """Points too low to count as object (K, 3) that the top camera sees within the blob's outline: a hollow's floor."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """All measurements of one object; lengths in metres, world frame."""
+
+    blob: Blob
+    box: UprightBox
+    outline: Outline
+    sphere: Sphere
+    is_ball: bool
+    is_round: bool
+    """The outline (but for a bulge) is a circle."""
+    centre: Array
+    """Vertical axis (2,): of the circle if round, of the box otherwise."""
+    radius: float
+    """Radius of the outline's circle."""
+    base: float
+    """Height of the lowest point."""
+    top: float
+    """Height of the highest point."""
+    profile: Array
+    """Outer radius at LEVELS relative heights (LEVELS,), from the side that faces the front camera; NaN unseen."""
+    hollow: float
+    """Depth of the hollow seen from above over the height."""
+    floor_spread: float
+    """Median absolute deviation of the heights inside the hollow: contents are bumpy."""
+    wall: float
+    """Radial thickness of the top edge; NaN if there is no hollow."""
+    rim_radius: float
+    """Radius of the top edge's middle; NaN if there is no hollow."""
+    widths: Array
+    """Width across the longer axis at STATIONS places (STATIONS,); NaN where nothing was seen."""
+    sagitta: float
+    """Bend of the centre line over the length."""
+    lost: float
+    """Median share of unmeasured pixels around the points."""
+    footprint: float
+    """Area seen from above over the hull's area."""
+
+
+def measure(blob: Blob, support: float = 0.0) -> Measured:
+    """Measures a blob that stands at height `support` [m]."""
+    xyz = blob.xyz
+    above = xyz[blob.from_top] if blob.from_top.sum() >= 40 else xyz
+    top = top_height(xyz[:, 2]) - TOP_BIAS[int(np.median(blob.lost) > CLEAR_LOSS)]
+    high = above[above[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
+    view = outline(high if len(high) >= 20 else above)
+    ball = fit_sphere(xyz if len(xyz) < 3000 else xyz[:: len(xyz) // 1500])
+    is_ball = _is_ball(ball, support, top, view)
+    is_round = view.roughness < ROUND
+    if is_ball:
+        centre, radius, base, top = (
+            ball.centre[:2],
+            ball.radius,
+            ball.centre[2] - ball.radius,
+            ball.centre[2] + ball.radius,
+        )
+    else:
+        centre, radius, base = view.centre, view.radius, support
+    box = _box(view, is_ball, is_round, centre, radius, base, top)
+    if not is_round and not is_ball:
+        centre = box.centre[:2]
+    height = max(top - base, 1e-3)
+    hollow, spread, wall, rim = _hollow(blob, centre, radius, base, top) if is_round else (0.0, 0.0, np.nan, np.nan)
+    widths, sagitta = _along(blob, box)
+    return Measured(
+        blob=blob,
+        box=box,
+        outline=view,
+        sphere=ball,
+        is_ball=is_ball,
+        is_round=is_round,
+        centre=centre,
+        radius=radius,
+        base=base,
+        top=top,
+        profile=_profile(blob, centre, base, height),
+        hollow=hollow,
+        floor_spread=spread,
+        wall=wall,
+        rim_radius=rim,
+        widths=widths,
+        sagitta=sagitta,
+        lost=float(np.median(blob.lost)),
+        footprint=_footprint(above, view.hull_area),
+    )
+
+
+def top_height(z: Array) -> float:
+    """Height of the top [m] of points at heights z (N,), free of the upward bias of the largest of many noisy ones."""
+    count = len(z)
+    rank = max(3, int(0.01 * count))
+    high = float(np.partition(z, count - rank)[count - rank]) if count > rank else float(z.max())
+    return float(np.mean(z[z > high - 0.0015]))
+
+
+def _is_ball(ball: Sphere, support: float, top: float, view: Outline) -> bool:
+    rests = abs(ball.centre[2] - ball.radius - support) < 0.006 and abs(ball.centre[2] + ball.radius - top) < 0.006
+    near = np.hypot(*(ball.centre[:2] - view.centre)) < 0.008
+    return bool(ball.residual < BALL_RESIDUAL and rests and near and 0.008 < ball.radius < 0.08)
+
+
+def _box(
+    view: Outline, is_ball: bool, is_round: bool, centre: Array, radius: float, base: float, top: float
+) -> UprightBox:
+    """The upright box: around the ball, around the circle and what sticks out of it, or the smallest rectangle."""
+    z, height = (base + top) / 2, max(top - base, 1e-3)
+    if is_ball or (is_round and view.bulge < 0.10 * view.radius + 0.002):
+        return UprightBox(np.array([*centre, z]), 0.0, np.array([2 * radius, 2 * radius, height]))
+    if is_round:
+        reach = view.bulge
+        along = np.array([np.cos(view.bulge_azimuth), np.sin(view.bulge_azimuth)])
+        yaw = float((view.bulge_azimuth + np.pi / 2) % np.pi - np.pi / 2)
+        return UprightBox(
+            np.array([*(centre + along * reach / 2), z]), yaw, np.array([2 * radius + reach, 2 * radius, height])
+        )
+    middle, yaw, longer, shorter = view.rectangle()
+    return UprightBox(np.array([*middle, z]), yaw, np.array([longer, shorter, height]))
+
+
+def _profile(blob: Blob, centre: Array, base: float, height: float) -> Array:
+    """Outer radius at each relative height, from the points on the front camera's side of the axis."""
+    side = blob.xyz[:, :2] - centre
+    to_eye = blob.eyes[0, :2] - centre
+    distance = np.hypot(side[:, 0], side[:, 1])
+    facing = side @ to_eye > 0.4 * distance * np.hypot(*to_eye)
+    level = np.clip(((blob.xyz[:, 2] - base) / height * LEVELS).astype(int), 0, LEVELS - 1)
+    radii = np.full(LEVELS, np.nan)
+    for k in range(LEVELS):
+        here = distance[facing & (level == k)]
+        if len(here) >= 4:
+            radii[k] = np.quantile(here, 0.8)
+    return radii
+
+
+def _hollow(blob: Blob, centre: Array, radius: float, base: float, top: float) -> tuple[float, float, float, float]:
+    """Depth of the hollow over the height, bumpiness of its floor, thickness and radius of the wall's top."""
+    reach = np.hypot(*(blob.xyz[:, :2] - centre).T)
+    height = max(top - base, 1e-3)
+    ring = reach[blob.from_top & (blob.xyz[:, 2] > top - 0.006) & (reach < radius + 0.004)]
+    if len(ring) < 15:
+        return 0.0, 0.0, np.nan, np.nan
+    inner, outer = np.quantile(ring, 0.06), np.quantile(ring, 0.94)
+    z = np.concatenate(
+        [
+            blob.xyz[blob.from_top & (reach < 0.6 * inner), 2],
+            blob.low[np.hypot(*(blob.low[:, :2] - centre).T) < 0.6 * inner, 2],
+        ]
+    )
+    if len(z) < 12:
+        return 0.0, 0.0, np.nan, np.nan
+    z = z[z <= np.quantile(z, 0.5)]  # the lower half: the other one may be the far wall, seen at a slant
+    floor = float(np.median(z))
+    depth = (top - floor) / height
+    if depth < 0.06 or top - floor < 0.006:
+        return 0.0, 0.0, np.nan, np.nan
+    return depth, float(np.median(np.abs(z - floor))), float(outer - inner), float(outer + inner) / 2
+
+
+def _along(blob: Blob, box: UprightBox) -> tuple[Array, float]:
+    """Width at each station of the longer axis, and the bend of the centre line over the length."""
+    local = box.local(blob.xyz)
+    station = np.clip(((local[:, 0] / box.size[0] + 0.5) * STATIONS).astype(int), 0, STATIONS - 1)
+    widths, middles = np.full(STATIONS, np.nan), np.full(STATIONS, np.nan)
+    for k in range(STATIONS):
+        across = local[station == k, 1]
+        if len(across) >= 5:
+            low, high = np.quantile(across, [0.02, 0.98])
+            widths[k], middles[k] = high - low, (high + low) / 2
+    seen = np.isfinite(middles)
+    if seen.sum() < 4:
+        return widths, 0.0
+    x = (np.arange(STATIONS) + 0.5) / STATIONS - 0.5
+    bend = float(np.polyfit(x[seen], middles[seen], 2)[0]) / 4  # sagitta of a x^2 over half the length: a / 4
+    return widths, abs(bend) / float(box.size[0])
+
+
+def _footprint(above: Array, hull_area: float) -> float:
+    """Area of the 3-mm cells hit from above over the hull's area."""
+    cells = np.unique(np.floor(above[:, :2] / 0.003).astype(np.int64) @ np.array([100003, 1]))
+    return float(len(cells) * 9e-6 / max(hull_area, 1e-5))
