@@ -22,7 +22,6 @@ app = typer.Typer(
     help="Tell a Franka Panda what to grasp, watch it reason, and trust what it says about the outcome.",
     epilog="Exit codes: 0 achieved · 1 not achieved · 2 bad usage or input · 3 the environment cannot do it · "
     "130 interrupted.",
-    no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
@@ -62,8 +61,10 @@ def run_command_line(arguments: list[str] | None = None) -> int:
     wish = os.environ.pop("MUJOCO_GL", None)
     if wish:
         os.environ["RAGVLM_OPENGL"] = wish
+    given = sys.argv[1:] if arguments is None else arguments
     try:
-        outcome = app(args=arguments, prog_name="ragvlm", standalone_mode=False)
+        # Called without anything, it shows what there is.
+        outcome = app(args=given or ["--help"], prog_name="ragvlm", standalone_mode=False)
         return outcome if isinstance(outcome, int) else 0
     except _ClickException as error:
         _complain(_usage_line(error))
@@ -87,13 +88,16 @@ def _usage_line(error: Exception) -> str:
     context = getattr(error, "ctx", None)
     if context is None:
         return message or "bad usage"
-    if not message:
-        # typer raises an empty error to show the help of a group called without a command.
-        message = "a command is missing"
     where = context.command_path
     name = type(error).__name__
     if name == "NoSuchOption":
-        names = sorted({o for p in context.command.params for o in p.opts + p.secondary_opts if o.startswith("--")})
+        names = sorted(
+            option
+            for parameter in context.command.params
+            if not getattr(parameter, "hidden", False)
+            for option in (*parameter.opts, *parameter.secondary_opts)
+            if option.startswith("--")
+        )
         message += f" (valid: {', '.join(names)})"
     elif hasattr(context.command, "list_commands") and ("ommand" in message):
         message += f" (valid: {', '.join(context.command.list_commands(context))})"

@@ -16,7 +16,7 @@ Scene = Annotated[
     typer.Option(
         "--scene",
         metavar="NAME|FILE",
-        help="Built-in scene or YAML file [default: cup_near_vase].",
+        help="Built-in scene or YAML file (default: cup_near_vase).",
         rich_help_panel=WORLD,
     ),
 ]
@@ -29,7 +29,7 @@ Brain = Annotated[
     typer.Option(
         "--brain",
         metavar="BRAIN",
-        help="rules, openai:MODEL or hf:MODEL_OR_FOLDER [default: rules].",
+        help="rules, openai:MODEL or hf:MODEL_OR_FOLDER (default: rules).",
         rich_help_panel=WORLD,
     ),
 ]
@@ -42,20 +42,20 @@ Perception = Annotated[
     typer.Option(
         "--perception",
         metavar="KIND",
-        help="rgbd (from pixels), vlm, or oracle (the truth) [default: rgbd].",
+        help="rgbd (from pixels), vlm, or oracle (the truth) (default: rgbd).",
         rich_help_panel=WORLD,
     ),
 ]
 Evaluator = Annotated[
     Optional[str],  # noqa: UP045
     typer.Option(
-        "--evaluator", metavar="KIND", help="mujoco (physics) or analytic [default: mujoco].", rich_help_panel=WORLD
+        "--evaluator", metavar="KIND", help="mujoco (physics) or analytic (default: mujoco).", rich_help_panel=WORLD
     ),
 ]
 Configuration = Annotated[
     Optional[str],  # noqa: UP045
     typer.Option(
-        "--configuration", metavar="NAME", help="full, or an ablation by name [default: full].", rich_help_panel=WORLD
+        "--configuration", metavar="NAME", help="full, or an ablation by name (default: full).", rich_help_panel=WORLD
     ),
 ]
 Approve = Annotated[

@@ -152,3 +152,10 @@ def _refuse_unbuilt(options: RunOptions) -> None:
             "--perception vlm: perception by a vision-language model is not built into this version yet",
             mend="use --perception rgbd (from pixels) or oracle",
         )
+
+
+def known_configurations() -> tuple[str, ...]:
+    """Names that `--configuration` may have."""
+    from agent.configuration import CONFIGURATIONS
+
+    return tuple(CONFIGURATIONS)

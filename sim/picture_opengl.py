@@ -126,6 +126,10 @@ def _fade(picture: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.
     height = len(picture)
     away = NEAR * FAR / (FAR - depth * (FAR - NEAR))
     rows = np.linspace(1.0, 0.0, height, dtype=np.float32)[:, None, None]
-    sky = np.float32([205, 211, 219]) + rows * np.float32([34, 31, 27])
+    sky = _rgb(205, 211, 219) + rows * _rgb(34, 31, 27)
     share = np.clip((away - 2.3) / 1.6, 0.0, 1.0)[..., None].astype(np.float32)
     return (picture * (1 - share) + sky * share + 0.5).astype(np.uint8)
+
+
+def _rgb(red: float, green: float, blue: float) -> NDArray[np.float32]:
+    return np.array([red, green, blue], np.float32)

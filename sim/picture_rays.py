@@ -164,7 +164,7 @@ class RayPainter:
         if not lit.size:
             return colour
         point, normal, geom = hits.point[lit], hits.normal[lit], hits.geom[lit]
-        albedo = np.where((geom == FLOOR)[:, None], np.float32([0.40, 0.42, 0.45]), self._albedo[np.maximum(geom, 0)])
+        albedo = np.where((geom == FLOOR)[:, None], _rgb(0.40, 0.42, 0.45), self._albedo[np.maximum(geom, 0)])
         if finish.grain and self._table >= 0:
             wood = (geom == self._table) & (normal[:, 2] > 0.9)
             albedo[wood] *= _grain(point[wood])[:, None]
@@ -174,7 +174,7 @@ class RayPainter:
         rim = (1.0 - np.clip(np.einsum("ij,ij->i", normal, view), 0, 1)) ** 4 * shine
         shaded = albedo * diffuse + (gloss * shine + 0.35 * rim)[:, None]
         # The studio floor fades into the backdrop, so that it has no horizon.
-        away = np.linalg.norm(point[:, :2] - np.float32(viewpoint.target[:2]), axis=1)
+        away = np.linalg.norm(point[:, :2] - np.array(viewpoint.target[:2], np.float32), axis=1)
         fade = np.where(geom == FLOOR, np.clip((away - 0.9) / 2.6, 0, 1), 0.0).astype(np.float32)[:, None]
         colour[lit] = shaded * (1 - fade) + backdrop[lit] * fade
         return colour
@@ -187,7 +187,7 @@ class RayPainter:
         key = _key_points(target, viewpoint, finish.key_rays)
         diffuse = np.zeros_like(point)
         gloss = np.zeros(len(point), np.float32)
-        warm = np.float32([1.0, 0.965, 0.91]) * 1.75
+        warm = _rgb(1.0, 0.965, 0.91) * 1.75
         for lamp in key:
             share, towards = self._arrives(lamp, point, normal)
             diffuse += share[:, None] * warm / len(key)
@@ -195,7 +195,7 @@ class RayPainter:
             half /= np.linalg.norm(half, axis=1, keepdims=True) + 1e-9
             gloss += (share > 0) * np.clip(np.einsum("ij,ij->i", normal, half), 0, 1) ** 60 / len(key)
         up = 0.5 + 0.5 * normal[:, 2:3]
-        sky, ground = np.float32([0.80, 0.90, 1.05]), np.float32([0.50, 0.47, 0.44])
+        sky, ground = _rgb(0.80, 0.90, 1.05), _rgb(0.50, 0.47, 0.44)
         if finish.sky_rays == 0:
             return diffuse + 0.62 * (sky * up + ground * (1 - up)), gloss
         dome = _dome(target, finish.sky_rays)
@@ -236,7 +236,7 @@ def _linear(srgb: NDArray[np.floating]) -> Array:
 def _tone(colour: Array) -> Array:
     """Compresses bright light so that white stays white without burning out (Reinhard's curve with a white point)."""
     exposed = colour * np.float32(0.92)
-    return exposed * (1.0 + exposed / np.float32(2.6**2)) / (1.0 + exposed * np.float32(0.55))
+    return (exposed * (1.0 + exposed / 2.6**2) / (1.0 + exposed * 0.55)).astype(np.float32)
 
 
 def _display(colour: Array) -> NDArray[np.uint8]:
@@ -246,7 +246,7 @@ def _display(colour: Array) -> NDArray[np.uint8]:
 def _backdrop(rays: NDArray[np.float64]) -> Array:
     """A quiet studio gradient by elevation, linear colours (N, 3)."""
     lift = np.clip(rays[:, 2].astype(np.float32) * 1.2 + 0.55, 0, 1)[:, None]
-    low, high = np.float32([0.56, 0.61, 0.68]), np.float32([0.90, 0.94, 1.0])
+    low, high = _rgb(0.56, 0.61, 0.68), _rgb(0.90, 0.94, 1.0)
     return low * (1 - lift) + high * lift
 
 
@@ -280,7 +280,7 @@ def _grain(point: Array) -> Array:
     warp = 0.006 * np.sin(point[:, 0] * 7 + plank * 2.1) + 0.003 * np.sin(point[:, 0] * 19 + plank)
     lines = np.sin((point[:, 1] + warp) * 620) * 0.5 + np.sin((point[:, 1] + 2 * warp) * 233 + plank) * 0.5
     seam = np.abs(point[:, 1] / 0.1333 - np.round(point[:, 1] / 0.1333)) < 0.006
-    return (tone + 0.035 * lines) * np.where(seam, 0.86, 1.0).astype(np.float32)
+    return ((tone + 0.035 * lines) * np.where(seam, 0.86, 1.0)).astype(np.float32)
 
 
 def _edges(colour: Array, geom: NDArray[np.int32]) -> NDArray[np.bool_]:
@@ -293,3 +293,7 @@ def _edges(colour: Array, geom: NDArray[np.int32]) -> NDArray[np.bool_]:
         edge[low] |= jump
         edge[high] |= jump
     return edge
+
+
+def _rgb(red: float, green: float, blue: float) -> NDArray[np.float32]:
+    return np.array([red, green, blue], np.float32)

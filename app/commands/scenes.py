@@ -24,7 +24,7 @@ def scenes(
         _describe(console, name, seed)
 
 
-def _list(console) -> None:  # noqa: ANN001
+def _list(console) -> None:
     from app.table import print_table
     from sim.draw_scene import draw_scene
     from sim.scene_file import builtin_scenes, load_scene
@@ -38,7 +38,7 @@ def _list(console) -> None:  # noqa: ANN001
     print_table(console, ("scene", "holds (seed 0)", "say for example"), rows)
 
 
-def _describe(console, name: str, seed: int) -> None:  # noqa: ANN001
+def _describe(console, name: str, seed: int) -> None:
     from app.table import print_table
     from sim.draw_scene import draw_scene
     from sim.scene_file import load_scene

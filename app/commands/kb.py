@@ -1,0 +1,81 @@
+"""`ragvlm kb`: the knowledge base of measured experiences: list, look up, query with scores, rebuild from physics."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+app = typer.Typer(help="The knowledge base of measured grasps: list, query with scores, rebuild from physics.")
+
+Store = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--store", metavar="FILE", help="A knowledge base file (default: the one shipped)."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command("show")
+def show(
+    entry: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Argument(metavar="[ID]", help="One experience; all of them if left out."),
+    ] = None,
+    category: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--category", metavar="NAME", help="Only this category."),
+    ] = None,
+    store: Store = None,
+    json_output: AsJson = False,
+) -> None:
+    """List the experiences, or show one."""
+    from app.knowledge import show_all, show_one
+    from kb.store import ExperienceStore
+
+    opened = ExperienceStore.open(store)
+    if entry is not None:
+        show_one(opened, entry, json_output=json_output)
+    else:
+        show_all(opened, category, json_output=json_output)
+
+
+@app.command("query")
+def query(
+    category: Annotated[str, typer.Argument(metavar="CATEGORY", help='For example "mug"; "unknown" is allowed.')],
+    affordance: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--affordance", metavar="TYPE", help="For example GRASPABLE_HANDLE (default: the category's)."),
+    ] = None,
+    material: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--material", metavar="NAME", help="For example ceramic (default: the category's)."),
+    ] = None,
+    fragility: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fragility", metavar="0..1", help="0 durable, 1 breaks at a touch (default: the category's)."),
+    ] = None,
+    region: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--region", metavar="NAME", help="For example rim (default: the category's)."),
+    ] = None,
+    k: Annotated[int, typer.Option("-k", min=1, max=50, metavar="N", help="How many.")] = 3,
+    store: Store = None,
+    json_output: AsJson = False,
+) -> None:
+    """Retrieve experiences for an object described in words, with the scores of all three levels."""
+    from app.knowledge import query_store
+
+    described = {"type": affordance, "material": material, "fragility": fragility, "region": region}
+    query_store(store, category, {key: value for key, value in described.items() if value is not None}, k, json_output)
+
+
+@app.command("build")
+def build(
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Where to write the knowledge base.")],
+    workers: Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")] = 2,
+) -> None:
+    """Rebuild the knowledge base by physical trials; the same seeds give the same file."""
+    from app.knowledge import build_store
+
+    build_store(out, workers)

@@ -1,0 +1,148 @@
+"""What `ragvlm kb` prints."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+from kb.errors import BadInputError
+
+if TYPE_CHECKING:
+    from kb.experience import Experience
+    from kb.store import ExperienceStore
+
+
+def show_all(store: ExperienceStore, category: str | None, *, json_output: bool) -> None:
+    """One line an experience.
+
+    Raises:
+        BadInputError: no experience is of that category.
+    """
+    from app.console import make_console
+    from app.table import print_table
+
+    known = sorted({entry.category for entry in store.all()})
+    if category is not None and category not in known:
+        raise BadInputError(f'no experience with "{category}"', where="--category", choices=known)
+    entries = [entry for entry in store.all() if category in (None, entry.category)]
+    if json_output:
+        print(json.dumps([_without_embedding(entry) for entry in entries], indent=2))
+        return
+    console = make_console()
+    print_table(
+        console,
+        ("id", "category", "affordance", "region", "grasp", "approach", "force N", "trials", "verdict"),
+        [_row(entry) for entry in entries],
+    )
+    good = sum(entry.success for entry in entries)
+    trials = sum(entry.n_trials for entry in entries)
+    if console.is_terminal:
+        console.print(
+            f"{len(entries)} experiences, {good} successes and {len(entries) - good} failures, {trials} physical "
+            f"trials; embedded by {store.embedder_name}"
+        )
+
+
+def _row(entry: Experience) -> tuple[str, ...]:
+    plan = entry.strategy
+    return (
+        entry.id,
+        entry.category,
+        entry.affordance.type,
+        plan.region,
+        plan.type,
+        plan.approach,
+        f"{plan.force:.0f}",
+        f"{entry.n_success}/{entry.n_trials}",
+        "success" if entry.success else "failure",
+    )
+
+
+def _without_embedding(entry: Experience) -> dict[str, Any]:
+    row = entry.model_dump(mode="json")
+    row["embedding"] = f"{len(entry.embedding)} numbers"
+    return row
+
+
+def show_one(store: ExperienceStore, entry_id: str, *, json_output: bool) -> None:
+    """Everything about one experience.
+
+    Raises:
+        BadInputError: there is none of that id.
+    """
+    from app.console import make_console
+
+    row = _without_embedding(store.get(entry_id))
+    if json_output:
+        print(json.dumps(row, indent=2))
+        return
+    console = make_console()
+    for key, value in row.items():
+        console.print(f"{key:<12}{json.dumps(value) if isinstance(value, dict | list) else value}", markup=False)
+
+
+def query_store(path: Path | None, category: str, described: dict[str, Any], k: int, json_output: bool) -> None:
+    """Retrieves for a described object and prints the scores of all levels.
+
+    Raises:
+        BadInputError: a descriptor's value is not one of its choices.
+    """
+    from app.console import make_console
+    from app.table import print_table
+    from kb.affordance import AffordanceDescriptor
+    from kb.priors import prior
+    from kb.store import ExperienceStore
+    from tools.context import ToolContext
+    from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
+
+    _check_descriptor(described)
+    affordance = AffordanceDescriptor.model_validate({**prior(category).affordance.model_dump(), **described})
+    context = ToolContext(store=ExperienceStore.open(path))
+    found = retrieve_haarag(RetrieveArgs(category=category, affordance=affordance, k=k), context)
+    if json_output:
+        rows = [
+            {**item.model_dump(mode="json"), "experience": _without_embedding(item.experience)} for item in found.top
+        ]
+        print(json.dumps({"top": rows, "funnel": found.funnel.model_dump()}, indent=2))
+        return
+    console = make_console()
+    print_table(
+        console,
+        ("id", "category", "score", "category", "affordance", "looks", "region", "approach", "force N", "trials"),
+        [
+            (
+                item.experience.id,
+                item.experience.category,
+                f"{item.score:.3f}",
+                f"{item.s_cat:.2f}",
+                f"{item.s_aff:.2f}",
+                f"{item.s_vis:.2f}",
+                item.experience.strategy.region,
+                item.experience.strategy.approach,
+                f"{item.experience.strategy.force:.0f}",
+                f"{item.experience.n_success}/{item.experience.n_trials}",
+            )
+            for item in found.top
+        ],
+    )
+    if console.is_terminal:
+        funnel = found.funnel
+        console.print(
+            f"funnel: {funnel.total} entries > {funnel.level1} by category"
+            f"{' (too few fitted, all admitted)' if funnel.fallback else ''} > {funnel.level2} by affordance > "
+            f"{funnel.level3}; looks score 0 because words have no picture"
+        )
+
+
+def _check_descriptor(described: dict[str, Any]) -> None:
+    """The words of the descriptor must be of the closed vocabularies."""
+    from kb.vocabulary import AffordanceType, Material, Region
+
+    choices = {"type": get_args(AffordanceType), "material": get_args(Material), "region": get_args(Region)}
+    options = {"type": "--affordance", "material": "--material", "region": "--region"}
+    for key, allowed in choices.items():
+        if key in described and described[key] not in allowed:
+            raise BadInputError(f'"{described[key]}" is not a choice', where=options[key], choices=allowed)
+    if "fragility" in described and not 0.0 <= described["fragility"] <= 1.0:
+        raise BadInputError(f"{described['fragility']} is not a choice", where="--fragility", choices=("0 to 1",))
