@@ -42,7 +42,9 @@ def _hand_points(aperture: float = 0.08) -> Array:
     boxes = [(np.array(c), np.array(h)) for c, h in PALM_BOXES]
     for sign in (1.0, -1.0):
         for centre, half in FINGER_BOXES:
-            boxes.append((np.array([centre[0], sign * (centre[1] + aperture / 2), centre[2] + FINGER_OFFSET]), np.array(half)))
+            boxes.append(
+                (np.array([centre[0], sign * (centre[1] + aperture / 2), centre[2] + FINGER_OFFSET]), np.array(half))
+            )
     for centre, half in boxes:
         inner = half - POINT_RADIUS * 0.5
         counts = np.maximum(2, np.ceil(2 * half / POINT_SPACING).astype(int) + 1)
@@ -70,6 +72,12 @@ def spheres(joints: Array) -> Array:
     """Centres of all spheres in the world frame, shape (N, S, 3), for configurations (N, 7)."""
     poses = link_poses(joints)[:, _ALL_OWNERS]
     return np.einsum("nsij,sj->nsi", poses[..., :3, :3], _ALL_CENTRES) + poses[..., :3, 3]
+
+
+def carried_points(joints: Array, points: Array) -> Array:
+    """Points (P, 3) fixed to the hand frame, in the world frame for each configuration (N, 7); shape (N, P, 3)."""
+    hand = link_poses(joints)[:, HAND_LINK]
+    return np.einsum("nij,pj->npi", hand[:, :3, :3], points) + hand[:, None, :3, 3]
 
 
 def table_clearance(joints: Array) -> float:

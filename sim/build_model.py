@@ -134,7 +134,9 @@ def _thing_of(model: mujoco.MjModel, geom: int) -> str:
 
 def _setting_xml(placed: PlacedScene) -> str:
     """Floor and table."""
-    common = f'{GEOM_BITS["setting"]} condim="4" friction="0.5 {TORSION} 0.0002" solref="{SOLREF_HARD} 1" solimp="{SOLIMP}"'
+    common = (
+        f'{GEOM_BITS["setting"]} condim="4" friction="0.5 {TORSION} 0.0002" solref="{SOLREF_HARD} 1" solimp="{SOLIMP}"'
+    )
     rgba = _numbers(placed.table_rgba)
     return (
         f'<geom name="floor" type="plane" size="0 0 0.1" pos="0 0 {FLOOR_Z}" {common} rgba="0.32 0.34 0.37 1"/>'
@@ -181,7 +183,7 @@ def _particles_xml(group: Particles) -> str:
         f'solref="{SOLREF_SOFT} 1" solimp="{SOLIMP}" rgba="{_numbers(group.rgba)}"'
     )
     return "".join(
-        f"<body name={quoteattr(particle_name(group.container, index))} pos=\"{_exact(position)}\">"
+        f'<body name={quoteattr(particle_name(group.container, index))} pos="{_exact(position)}">'
         f"<freejoint name={quoteattr(particle_name(group.container, index))}/>"
         f'<geom type="sphere" size="{group.radius}" mass="{group.mass:.9g}" {contact}/></body>'
         for index, position in enumerate(np.asarray(group.positions, float))

@@ -132,7 +132,9 @@ def swept_clearances(grasps: Sequence[Grasp], points_w: Array, *, lift: float = 
         if near.any():
             out[index] = swept_clearance(grasp, points[near], lift=lift)
         else:
-            out[index] = float(np.sqrt(np.einsum("ij,ij->i", offset, offset).min()) - HAND_RADIUS - grasp.standoff - lift)
+            out[index] = float(
+                np.sqrt(np.einsum("ij,ij->i", offset, offset).min()) - HAND_RADIUS - grasp.standoff - lift
+            )
     return out
 
 

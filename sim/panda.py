@@ -154,7 +154,9 @@ def _finger(side: str, turn: str, visual: bool) -> str:
     for index, (centre, half) in enumerate(FINGER_BOXES):
         name = f"robot/{side}_{'pad' if index == PAD else f'finger_{index}'}"
         kind = "pad" if index == PAD else "col"
-        geoms += f'<geom class="{kind}" {bits} name="{name}" type="box" pos="{_numbers(centre)}" size="{_numbers(half)}"/>'
+        geoms += (
+            f'<geom class="{kind}" {bits} name="{name}" type="box" pos="{_numbers(centre)}" size="{_numbers(half)}"/>'
+        )
     return (
         f'<body name="robot/{side}_finger" pos="0 0 {FINGER_OFFSET}" quat="{turn}" gravcomp="1">'
         f'<inertial mass="{FINGER_MASS}" pos="{_numbers(FINGER_COM)}" diaginertia="2.375e-6 2.375e-6 7.5e-7"/>'
@@ -268,7 +270,8 @@ def panda_actuators() -> str:
 def panda_sensors() -> str:
     """MJCF sensors of the robot itself: encoders, motor forces, opening, wrist wrench, tool pose and acceleration.
 
-    Tool pose and hand acceleration are what forward kinematics gives from the joint encoders.
+    Tool pose and accelerations (less gravity, in the hand frame) are what forward kinematics gives from the joint
+    encoders.
     """
     numbers = range(1, 8)
     joints = "".join(f'<jointpos name="robot/joint_position/{n}" joint="robot/joint_{n}"/>' for n in numbers)
@@ -281,5 +284,6 @@ def panda_sensors() -> str:
         '<force name="robot/wrist_force" site="robot/wrist"/><torque name="robot/wrist_torque" site="robot/wrist"/>'
         '<framepos name="robot/tcp_position" objtype="site" objname="robot/tcp"/>'
         '<framequat name="robot/tcp_quaternion" objtype="site" objname="robot/tcp"/>'
-        '<framelinacc name="robot/hand_acceleration" objtype="site" objname="robot/hand_com"/>'
+        '<accelerometer name="robot/hand_acceleration" site="robot/hand_com"/>'
+        '<accelerometer name="robot/tcp_acceleration" site="robot/tcp"/>'
     )

@@ -119,7 +119,9 @@ def reach_from(grasp: Grasp, joints: Array, *, lift: float = FULL_LIFT) -> Reach
     joints = np.asarray(joints, float)
     pose = forward(joints)
     wanted = grasp_pose(grasp)
-    error = min((pose_error(option, pose) for option in (wanted, flipped(wanted))), key=lambda e: float(np.abs(e).max()))
+    error = min(
+        (pose_error(option, pose) for option in (wanted, flipped(wanted))), key=lambda e: float(np.abs(e).max())
+    )
     distance = float(np.linalg.norm(error[:3]))
     if distance > 1e-3 or float(np.linalg.norm(error[3:])) > 1e-2:
         return Unreachable(distance, "grasp")
@@ -157,27 +159,45 @@ DRIFTS = (0.0, 0.5, -0.5, 1.0, -1.0)
 """Changes of the last joint tried along a line [rad]."""
 
 
+def line_any(pose: Array, offsets: Array, joints: Array) -> Array | None:
+    """`line` with the last joint turning along the line as far as needed, or None."""
+    for drift in DRIFTS:
+        path = line(pose, offsets, joints, q7_drift=drift)
+        if path is not None:
+            return path
+    return None
+
+
+def descents(pose: Array, start: Array, height: float, below: float) -> Iterator[Array]:
+    """Straight ways down (K, 7) from `height` [m] above a tool pose to `below` [m] under it, nearest to `start` first."""
+    up = np.array([0.0, 0.0, 1.0])
+    offsets = np.linspace(height, -below, LIFT_KNOTS + 2)[:, None] * up
+    tried = 0
+    for _, joints, wanted in _ranked((pose,), start):
+        back = line_any(wanted, np.linspace(0.0, height, 6)[:, None] * up, joints)
+        if back is None:
+            continue
+        path = line_any(wanted, offsets, back[-1])
+        if path is not None and table_clearance(path[[-1]]) > 0.0:
+            yield path
+            tried += 1
+            if tried >= 3:
+                return
+
+
 def _follow(grasp: Grasp, pose: Array, joints: Array, cost: float, lift: float) -> Reach | str:
     """The whole motion through one configuration, or the part that fails."""
     direction = np.asarray(grasp.approach) / np.linalg.norm(grasp.approach)
-    back = _line_any(pose, -grasp.standoff * np.linspace(0, 1, APPROACH_KNOTS)[:, None] * direction, joints)
+    back = line_any(pose, -grasp.standoff * np.linspace(0, 1, APPROACH_KNOTS)[:, None] * direction, joints)
     if back is None:
         return "approach"
-    up = _line_any(pose, lift * np.linspace(0, 1, LIFT_KNOTS)[:, None] * np.array([0.0, 0.0, 1.0]), joints)
+    up = line_any(pose, lift * np.linspace(0, 1, LIFT_KNOTS)[:, None] * np.array([0.0, 0.0, 1.0]), joints)
     if up is None:
         return "lift"
     if table_clearance(back[[0, APPROACH_KNOTS // 2, -1]]) < LINK_CLEARANCE or table_clearance(up[:1]) < LINK_CLEARANCE:
         return "table"
     residual = float(np.linalg.norm(forward(joints)[:3, 3] - pose[:3, 3]))
     return Reach(joints, back[::-1].copy(), up, cost, residual)
-
-
-def _line_any(pose: Array, offsets: Array, joints: Array) -> Array | None:
-    for drift in DRIFTS:
-        path = line(pose, offsets, joints, q7_drift=drift)
-        if path is not None:
-            return path
-    return None
 
 
 def _ranked(poses: tuple[Array, ...], start: Array) -> Iterator[tuple[float, Array, Array]]:

@@ -1,0 +1,59 @@
+"""From joint samples to the control inputs of the motors, one row a time step.
+
+Columns: for each joint position [rad], velocity [rad/s] and feed-forward torque [N m], then the gripper's opening [m].
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.build_model import TIMESTEP
+from sim.curve import cubic_spline, quintic
+
+Array = NDArray[np.float64]
+
+COLUMNS = 22
+GRIP_COLUMN = 21
+CLOSED = -0.02
+"""Commanded opening [m] for closing: beyond zero, so that the motor presses with its force limit at any width."""
+
+
+def follow(joints: Array, opening: float, before: Array | None = None) -> Array:
+    """Controls (T, 22) that follow joint samples (T, 7), one per time step, with their velocities fed forward.
+
+    Args:
+        joints: Wanted joint angles after each step [rad].
+        opening: Commanded opening of the gripper [m].
+        before: Joint angles before the first sample (7,); the first sample if left out.
+    """
+    first = joints[:1] if before is None else np.asarray(before)[None]
+    extended = np.concatenate([first, joints, joints[-1:]])
+    controls = np.zeros((len(joints), COLUMNS))
+    controls[:, 0:GRIP_COLUMN:3] = joints
+    controls[:, 1:GRIP_COLUMN:3] = (extended[2:] - extended[:-2]) / (2.0 * TIMESTEP)
+    controls[:, GRIP_COLUMN] = opening
+    return controls
+
+
+def hold(joints: Array, opening: float, seconds: float) -> Array:
+    """Controls that stay at one configuration (7,)."""
+    return follow(np.repeat(np.asarray(joints)[None], steps(seconds), axis=0), opening)
+
+
+def along(path: Array, seconds: float) -> Array:
+    """Joint samples per time step (T, 7) along evenly spaced path points (K, 7) with a quintic time law."""
+    return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, quintic(steps(seconds)))
+
+
+def along_evenly(path: Array, seconds: float) -> Array:
+    """The same at constant speed, for creeping until something is touched."""
+    count = steps(seconds)
+    return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, np.arange(1, count + 1) / count)
+
+
+def steps(seconds: float) -> int:
+    """Number of time steps in a duration, at least two."""
+    return max(2, math.ceil(seconds / TIMESTEP - 1e-9))

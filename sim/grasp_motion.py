@@ -1,0 +1,169 @@
+"""The phases of a grasp, in order: plan, arrive, approach, close, lift, hold and shake."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.grasp import Grasp
+from sim.controller import CLOSED, along, along_evenly, follow, hold
+from sim.hand import approach_time
+from sim.motion import Obstacle, Transit, plan_transit
+from sim.motion_run import NOTHING, HaltedError, MotionRun
+from sim.place_motion import note_hang
+from sim.reach import Reach, Unreachable, reach_from, solve_reaches
+from sim.recording import Recording
+from sim.setting import setting_obstacles
+from sim.shake import shake_path
+from sim.wrench import largest_force
+
+Array = NDArray[np.float64]
+
+OPENING_FORCE = 20.0
+"""Motor force while the hand opens or stands open [N]."""
+TEST_LIFT = 0.02
+"""Height at which the load is weighed [m]."""
+HOLD_S, SHAKE_S = 2.0, 2.0
+"""Durations of holding and shaking [s] (benchmark section 3)."""
+REST_SPEED = 0.5e-3
+"""Opening speed below which the fingers rest [m/s]."""
+
+
+def plan(
+    motion: MotionRun,
+    grasp: Grasp,
+    joints: Sequence[float] | None,
+    obstacles: Sequence[Obstacle],
+    lift: float,
+) -> tuple[Reach, Transit]:
+    motion.note(phase="plan")
+    start = motion.commanded
+    options: tuple[Reach, ...] | Unreachable = Unreachable(0.0, "grasp")
+    if joints is not None and len(joints) == 7:
+        wanted = reach_from(grasp, np.asarray(joints), lift=lift)
+        options = (wanted,) if isinstance(wanted, Reach) else wanted
+    if isinstance(options, Unreachable):
+        options = solve_reaches(grasp, start, lift=lift, options=3)
+    if isinstance(options, Unreachable):
+        motion.note(reachable=False, ik_residual=options.residual)
+        raise HaltedError("unreachable")
+    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin)]
+    for reach in options:
+        transit = plan_transit(start, reach.pregrasp, boxes)
+        if transit is not None:
+            motion.note(ik_residual=reach.residual)
+            return reach, transit
+    raise HaltedError("path")
+
+
+def arrive(motion: MotionRun, grasp: Grasp, transit: Transit) -> None:
+    """Free motion to the pre-grasp while the hand opens as far as commanded."""
+    motion.world.set_grip_force(OPENING_FORCE)
+    before = motion.commanded
+    motion.run(follow(transit.samples(motion.world.model.opt.timestep), grasp.aperture, before), "transit")
+    opened = abs(motion.aperture - grasp.aperture)
+    if opened > NOTHING:
+        motion.run(hold(motion.commanded, grasp.aperture, opened / 0.1 + 0.05), "transit")
+
+
+def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float) -> None:
+    """Straight approach with the force reflex; on contact the arm stops, backs off, and the motion ends."""
+    seconds = approach_time(grasp.standoff, grasp.speed)
+    joints = along(reach.approach, seconds)
+    try:
+        gone = motion.run(follow(joints, grasp.aperture, reach.pregrasp), "approach", motion.force_check(force_limit))
+    except HaltedError as halted:
+        if halted.cause == "force":
+            back_off(motion, joints, grasp.aperture)
+        raise
+    rest = motion.run(hold(reach.joints, grasp.aperture, 0.04), "approach")
+    rows = np.concatenate([gone.sensordata, rest.sensordata])
+    motion.note(
+        approach_force=largest_force(motion.wrist.force(rows)),
+        aperture_start=float(motion.reading("robot/opening", rest)[-1, 0]),
+    )
+
+
+def back_off(motion: MotionRun, joints: Array, opening: float) -> None:
+    """Runs the approach backwards from where it was stopped, without the reflex."""
+    nearest = int(np.abs(joints - motion.joints).sum(axis=1).argmin())
+    way = joints[: nearest + 1][::-1]
+    if len(way) < 2:
+        return
+    path = way[np.linspace(0, len(way) - 1, 12).astype(int)]
+    force = motion.fields["abort_force"]
+    motion.run(follow(along(path, max(0.3, len(way) * 0.002)), opening, motion.commanded), "retreat")
+    motion.note(approach_force=max(force, motion.fields.get("approach_force", 0.0)))
+
+
+def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
+    """Closes with the commanded force until the fingers rest."""
+    motion.world.set_grip_force(grasp.force)
+    data, sensors = motion.world.data.sensordata, motion.world.index.sensors
+    speed, force = sensors["robot/opening_speed"].start, sensors["robot/grip_force"].start
+    resting = 0
+
+    def check() -> str | None:
+        nonlocal resting
+        still = abs(data[speed]) < REST_SPEED and -data[force] > 0.98 * grasp.force
+        resting = resting + 1 if still else 0
+        return "rest" if resting >= 20 else None
+
+    longest = (motion.aperture - CLOSED) / 0.1 + 0.6
+    closed = motion.run(hold(reach.joints, CLOSED, longest), "close", check)
+    tool_z = float(motion.reading("robot/tcp_position", closed)[-1, 2])
+    note_hang(motion, tool_z)
+    motion.note(
+        aperture_closed=float(motion.reading("robot/opening", closed)[-1, 0]),
+        motor_force_closed=-float(motion.reading("robot/grip_force", closed)[-1, 0]),
+        closing_force_peak=float(-motion.reading("robot/grip_force", closed).min()),
+        closing_wrench=largest_force(motion.wrist.force(closed.sensordata)),
+    )
+
+
+def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach, lift: float) -> bool:
+    """Lifts a little, weighs, and lifts the rest; False if the hand closed on nothing and there is nothing to lift."""
+    share = min(1.0, TEST_LIFT / lift)
+    dense = along_evenly(reach.lift, 1.0)
+    count = len(dense)
+    low = max(2, round(share * count))
+    first, rest = dense[np.linspace(0, low - 1, 8).astype(int)], dense[np.linspace(low - 1, count - 1, 16).astype(int)]
+    base_z = float(motion.world.read("robot/tcp_position")[2])
+    motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), CLOSED, reach.joints), "lift")
+    weighed = motion.run(hold(first[-1], CLOSED, 0.1), "lift")
+    motion.carry(weighed)
+    motion.note(load_lifted=float(motion.wrist.mass(weighed.sensordata)[-25:].mean()))
+    if motion.aperture < NOTHING:
+        _note_end(motion, weighed, base_z)
+        return False
+    up = motion.run(follow(along(rest, approach_time(lift - TEST_LIFT, grasp.speed)), CLOSED, first[-1]), "lift")
+    motion.carry(up)
+    motion.note(aperture_lifted=motion.aperture)
+    _note_end(motion, up, base_z)
+    return True
+
+
+def hold_and_shake(motion: MotionRun, reach: Reach, shake: bool) -> None:
+    """Holds still, then shakes the wrist, and weighs at the end."""
+    top = reach.lift[-1]
+    base_z = float(motion.world.read("robot/tcp_position")[2]) - motion.fields["lift_height"]
+    last = motion.run(hold(top, CLOSED, HOLD_S), "hold")
+    motion.carry(last)
+    if shake:
+        motion.carry(motion.run(follow(shake_path(top, SHAKE_S), CLOSED, top), "shake"))
+        last = motion.run(hold(top, CLOSED, 0.15), "shake")
+        motion.carry(last)
+    _note_end(motion, last, base_z)
+
+
+def _note_end(motion: MotionRun, last: Recording, base_z: float) -> None:
+    rows = last.sensordata[-25:]
+    motion.note(
+        aperture_end=float(motion.reading("robot/opening", last)[-1, 0]),
+        motor_force_end=-float(motion.reading("robot/grip_force", last)[-1, 0]),
+        load_end=float(motion.wrist.mass(rows).mean()),
+        load_torque=float(np.linalg.norm(motion.wrist.torque(rows).mean(axis=0))),
+        lift_height=float(motion.reading("robot/tcp_position", last)[-1, 2]) - base_z,
+    )

@@ -1,0 +1,172 @@
+"""One motion of the robot as it happens: phases under guard, and what the robot's own sensors said.
+
+Only robot sensors ("robot/...") are read here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.sensing import Phase, Sensing
+from sim.controller import GRIP_COLUMN, hold
+from sim.kinematics import tcp_poses
+from sim.recording import Recording
+from sim.stop import StopSwitch
+from sim.world import World
+from sim.wrench import WristReader, moving_mean
+
+Array = NDArray[np.float64]
+Cause = Literal["force", "timeout", "stop", "unreachable", "path"]
+Check = Callable[[], str | None]
+"""A further reason to end a phase; texts other than the causes end only the phase."""
+
+TIME_LIMIT = 60.0
+"""Simulated time after which a motion is given up [s] (benchmark: 60 s per attempt)."""
+HALT_S = 0.1
+"""Simulated time in which a halted arm comes to rest [s]."""
+LOAD_WINDOW = 50
+"""Steps of the 0.1-s mean of the carried mass."""
+NOTHING = 1e-3
+"""Opening below which nothing is between the fingers [m]."""
+LEAST_LOAD = 0.005
+"""Mass below which nothing is carried [kg]."""
+
+
+class HaltedError(Exception):
+    """The motion ended before its end; a value for the caller, never shown to users."""
+
+    def __init__(self, cause: Cause) -> None:
+        super().__init__(cause)
+        self.cause: Cause = cause
+
+
+class MotionRun:
+    """Runs the phases of one motion and keeps the readings that `Sensing` reports."""
+
+    def __init__(self, world: World, stop: StopSwitch, limit: float = TIME_LIMIT) -> None:
+        world.attempt += 1
+        self.world = world
+        self.stop = stop
+        self.wrist = WristReader(world.index.sensors)
+        self.fields: dict[str, Any] = {}
+        self.started = world.time
+        self.limit = limit
+        self.tracking = 0.0
+        self.loads: list[Array] = []
+        """Carried mass per step of the phases after the test lift [kg]."""
+
+    # Commands as they stand -------------------------------------------------------------------------------------
+
+    @property
+    def commanded(self) -> Array:
+        """Commanded joint angles (7,) [rad]."""
+        return self.world.data.ctrl[0:GRIP_COLUMN:3].copy()
+
+    @property
+    def grip(self) -> float:
+        """Commanded opening [m]."""
+        return float(self.world.data.ctrl[GRIP_COLUMN])
+
+    @property
+    def joints(self) -> Array:
+        """Joint angles from the encoders (7,) [rad]."""
+        return self.world.read("robot/joint_position")
+
+    @property
+    def aperture(self) -> float:
+        """Opening from the finger encoders [m]."""
+        return float(self.world.read("robot/opening")[0])
+
+    @property
+    def holding(self) -> bool:
+        """The hand was told to close, presses, and something keeps the fingers apart."""
+        return self.grip < 0.0 and self.aperture > NOTHING and -float(self.world.read("robot/grip_force")[0]) > 0.5
+
+    def run(self, controls: Array, phase: Phase, check: Check | None = None) -> Recording:
+        """Runs one phase.
+
+        Raises:
+            HaltedError: stop, time-out, or whatever cause `check` returns; the arm has come to rest by then.
+        """
+        self.fields["phase"] = phase
+        if self.stop.pressed:
+            raise HaltedError("stop")
+        deadline, data, stop = self.started + self.limit, self.world.data, self.stop
+
+        def guard(_: int) -> str | None:
+            if stop.pressed:
+                return "stop"
+            if data.time > deadline:
+                return "timeout"
+            return None if check is None else check()
+
+        recording = self.world.run(controls, phase, guard)
+        self._track(recording)
+        if recording.ended_by in ("stop", "timeout", "force"):
+            self.halt(phase)
+            raise HaltedError(recording.ended_by)  # type: ignore[arg-type]
+        return recording
+
+    def halt(self, phase: Phase) -> None:
+        """Brings the arm to rest where it is; the gripper keeps its command and force."""
+        here = self.world.read("robot/joint_position")
+        self.world.run(hold(here, self.grip, HALT_S), phase)
+
+    # Readings ---------------------------------------------------------------------------------------------------
+
+    def force_check(self, limit: float) -> Check:
+        """A check that ends the motion when the external wrist force, a 10-ms mean, exceeds `limit` [N]."""
+        sensed, wrist = self.world.data.sensordata, self.wrist
+        recent = np.zeros((3, 3))
+        count = 0
+
+        def check() -> str | None:
+            nonlocal count
+            recent[count % 3] = wrist.force(sensed)
+            count += 1
+            mean = recent.sum(axis=0) / min(count, 3)
+            size = float(np.sqrt(mean @ mean))
+            if size <= limit:
+                return None
+            direction = wrist.force_w(sensed[None].copy())[0]
+            self.fields["abort_force"] = size
+            self.fields["abort_direction"] = tuple(float(v) for v in direction / max(np.linalg.norm(direction), 1e-9))
+            return "force"
+
+        return check
+
+    def carry(self, recording: Recording) -> None:
+        """Adds a phase to the record of the carried mass."""
+        self.loads.append(self.wrist.mass(recording.sensordata))
+
+    def reading(self, name: str, recording: Recording) -> Array:
+        """Columns of one robot sensor over a recording."""
+        return recording.sensordata[:, self.world.index.sensors[name]]
+
+    def note(self, **fields: Any) -> None:
+        """Keeps readings for the report."""
+        self.fields.update(fields)
+
+    def _track(self, recording: Recording) -> None:
+        every = slice(0, max(len(recording) - 1, 0), 25)
+        wanted = recording.controls[every, 0:GRIP_COLUMN:3]
+        if len(wanted):
+            actual = self.reading("robot/tcp_position", recording)[1:][every]
+            error = np.linalg.norm(tcp_poses(wanted)[:, :3, 3] - actual, axis=1)
+            self.tracking = max(self.tracking, float(error.max()))
+
+    def sensing(self) -> Sensing:
+        """The report of the whole motion."""
+        fields = dict(self.fields)
+        if self.loads:
+            mean = moving_mean(np.concatenate(self.loads), LOAD_WINDOW)
+            least = max(LEAST_LOAD, 0.5 * fields.get("load_lifted", 0.0))
+            fields["load_min"] = float(mean.min())
+            fields["held_s"] = float((mean > least).sum() * self.world.model.opt.timestep)
+        fields["tracking_error"] = self.tracking
+        fields["sim_time"] = self.world.time - self.started
+        return Sensing(**fields)

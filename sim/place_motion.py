@@ -1,0 +1,208 @@
+"""The phases of setting down: carry above, lower until contact is felt, let go, retreat, go home."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.base import Vec3
+from kb.grasp import closing_axis
+from kb.sensing import Phase
+from sim.controller import GRIP_COLUMN, along, along_evenly, follow, hold
+from sim.hand import approach_time
+from sim.kinematics import forward
+from sim.motion import CARRIED_RADIUS, Obstacle, plan_transit
+from sim.motion_run import HaltedError, MotionRun
+from sim.panda import FINGER_TRAVEL, READY
+from sim.reach import descents, line_any
+from sim.setting import setting_obstacles
+
+Array = NDArray[np.float64]
+
+RETREAT = 0.10
+"""Way back along the approach after letting go [m]."""
+RISE = 0.12
+"""Way up where the retreat alone leaves the hand low [m]."""
+CREEP, CREEP_SPEED = 0.025, 0.04
+"""Last part of a set-down [m] and its speed [m/s]."""
+OVERSHOOT = 0.012
+"""How far a set-down feels for the ground below the wanted height [m]."""
+TOUCH = 1.0
+"""Change of the vertical wrist force that means contact [N]."""
+RELEASE_ROOM = 0.03
+"""How much wider than the held object the hand opens to let go [m]."""
+OPENING_FORCE = 20.0
+"""Motor force while the hand opens [N]."""
+CARRY_HEIGHTS = (0.15, 0.10, 0.06)
+"""Heights above the set-down pose from which it is lowered [m], the first possible one."""
+
+
+def note_hang(motion: MotionRun, tool_z: float) -> None:
+    """Remembers how far what was gripped may reach below the tool point, in the hand frame.
+
+    It stood on the table or on something, so its lowest point is at most the tool's height below the tool.
+    """
+    turn = forward(motion.joints)[:3, :3]
+    down = turn.T @ np.array([0.0, 0.0, -max(tool_z, 0.0)])
+    for name, value in zip(("hang_x", "hang_y", "hang_z"), down, strict=True):
+        motion.world.notes[name] = float(value)
+
+
+def hang(motion: MotionRun) -> Array:
+    """The vector from the tool point to the lowest point of what is held, in the hand frame [m]."""
+    notes = motion.world.notes
+    return np.array([notes.get(name, 0.0) for name in ("hang_x", "hang_y", "hang_z")])
+
+
+def carried(motion: MotionRun) -> Array | None:
+    """Points of what is held in the hand frame, for path planning; None if nothing is held."""
+    if not motion.holding:
+        return None
+    way = hang(motion)
+    length = float(np.linalg.norm(way))
+    count = max(1, int(np.ceil(length / CARRIED_RADIUS)))
+    shares = (np.arange(count) + 0.5) / count
+    from sim.hand import TCP_OFFSET
+
+    return np.array([0.0, 0.0, TCP_OFFSET]) + shares[:, None] * way
+
+
+def travel(motion: MotionRun, goal: Array, obstacles: Sequence[Obstacle], phase: Phase, slow: float = 1.0) -> None:
+    """Free motion to a configuration, around obstacles, with whatever is held.
+
+    Raises:
+        HaltedError: "path" if no free path was found.
+    """
+    start = motion.commanded
+    if float(np.abs(start - goal).max()) < 1e-6:
+        return
+    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin)]
+    load = carried(motion)
+    transit = plan_transit(start, goal, boxes, carried=load) or plan_transit(
+        start, goal, boxes, carried=load, margin=0.0
+    )
+    if transit is None:
+        motion.note(phase=phase)
+        raise HaltedError("path")
+    joints = transit.samples(motion.world.model.opt.timestep, slow)
+    recording = motion.run(follow(joints, motion.grip, start), phase)
+    if load is not None:
+        motion.carry(recording)
+
+
+def place_pose(motion: MotionRun, position: Vec3, approach: Vec3 | None, yaw: float | None) -> Array:
+    """Tool pose (4, 4) of a set-down; what is not given stays as the hand is now."""
+    pose = forward(motion.commanded)
+    z = pose[:3, 2] if approach is None else np.asarray(approach, float) / np.linalg.norm(approach)
+    azimuth = float(np.arctan2(pose[1, 1], pose[0, 1])) if yaw is None else yaw
+    y = pose[:3, 1] if approach is None and yaw is None else closing_axis(z, azimuth)
+    pose[:3, :3] = np.column_stack([np.cross(y, z), y, z])
+    pose[:3, 3] = position
+    return pose
+
+
+def carry_above(motion: MotionRun, pose: Array, obstacles: Sequence[Obstacle], speed: float) -> None:
+    """Carries what is held above the set-down pose and lowers it until contact is felt.
+
+    Raises:
+        HaltedError: "unreachable" or "path".
+    """
+    for height in CARRY_HEIGHTS:
+        for path in descents(pose, motion.commanded, height, OVERSHOOT):
+            try:
+                travel(motion, path[0], obstacles, "carry", min(1.0, max(speed, 0.3)))
+            except HaltedError as halted:
+                if halted.cause != "path":
+                    raise
+                continue
+            lower(motion, path, height + OVERSHOOT, speed)
+            return
+    if motion.fields.get("phase") != "carry":
+        motion.note(reachable=False, phase="carry")
+        raise HaltedError("unreachable")
+    raise HaltedError("path")
+
+
+def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
+    """Lowers along a straight path (K, 7) of `length` [m], fast first and creeping at the end, until contact is felt."""
+    dense = along_evenly(path, 1.0)
+    creep = min(1.0, (CREEP + OVERSHOOT) / length)
+    cut = round((1.0 - creep) * (len(dense) - 1))
+    if cut > 1:
+        upper = dense[np.linspace(0, cut, 12).astype(int)]
+        seconds = approach_time(length * (1.0 - creep), speed)
+        motion.run(follow(along(upper, seconds), motion.grip, motion.commanded), "set_down", touch_check(motion))
+    last = dense[np.linspace(max(cut, 0), len(dense) - 1, 12).astype(int)]
+    slow = along_evenly(last, creep * length / CREEP_SPEED)
+    felt = motion.run(follow(slow, motion.grip, motion.commanded), "set_down", touch_check(motion))
+    motion.run(hold(motion.commanded, motion.grip, 0.1), "set_down")
+    motion.note(approach_force=float(np.abs(motion.wrist.force(felt.sensordata)).max()))
+
+
+def touch_check(motion: MotionRun):
+    """A check that ends the phase once the vertical wrist force differs from its value at the beginning."""
+    sensed, wrist = motion.world.data.sensordata, motion.wrist
+    first: list[float] = []
+
+    def check() -> str | None:
+        mass = float(wrist.mass(sensed[None])[0])
+        if len(first) < 5:
+            first.append(mass)
+            return None
+        return "contact" if abs(mass - float(np.mean(first))) * 9.81 > TOUCH else None
+
+    return check
+
+
+def lower_here(motion: MotionRun) -> None:
+    """Lowers what is held straight down to where its lowest point is expected on the ground, or to contact."""
+    pose = forward(motion.commanded)
+    down = float((pose[:3, :3] @ hang(motion))[2])
+    drop = pose[2, 3] + down + OVERSHOOT
+    if drop <= 0.005:
+        return
+    path = line_any(pose, -drop * np.linspace(0.0, 1.0, 9)[:, None] * np.array([0.0, 0.0, 1.0]), motion.commanded)
+    if path is not None:
+        lower(motion, path, drop, 1.0)
+
+
+def let_go(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
+    """Opens a little wider than what is held, and retreats along the approach without dragging."""
+    motion.world.set_grip_force(OPENING_FORCE)
+    here = motion.commanded
+    opening = min(2 * FINGER_TRAVEL, max(motion.aperture + RELEASE_ROOM, 0.02))
+    motion.run(hold(here, opening, 0.35), "release")
+    retreat(motion)
+    motion.note(aperture_end=motion.aperture)
+
+
+def retreat(motion: MotionRun) -> None:
+    """Back along the approach as far as the arm can, then up if the hand is still low."""
+    for way, distance in ((None, RETREAT), (np.array([0.0, 0.0, 1.0]), RISE)):
+        pose = forward(motion.commanded)
+        if way is not None and pose[2, 3] > 0.30:
+            return
+        direction = -pose[:3, 2] if way is None else way
+        for share in (1.0, 0.6, 0.3):
+            offsets = share * distance * np.linspace(0.0, 1.0, 7)[:, None] * direction
+            path = line_any(pose, offsets, motion.commanded)
+            if path is not None:
+                seconds = approach_time(share * distance, 1.0)
+                motion.run(follow(along(path, seconds), motion.grip, motion.commanded), "retreat")
+                break
+
+
+def home(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
+    """Drives to the ready pose; an empty hand that is low first retreats."""
+    try:
+        travel(motion, READY, obstacles, "home")
+    except HaltedError as halted:
+        if halted.cause != "path":
+            raise
+        retreat(motion)
+        travel(motion, READY, obstacles, "home")
+
+
+__all__ = ["GRIP_COLUMN", "carry_above", "home", "let_go", "lower_here", "note_hang", "place_pose", "travel"]
