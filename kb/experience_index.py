@@ -10,6 +10,7 @@ import logging
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -22,10 +23,14 @@ from kb.experience import Experience
 log = logging.getLogger(__name__)
 
 NAME = "experiences"
+IN_MEMORY = "memory"
+"""Value of `RAGVLM_CACHE` that keeps the index in memory."""
+KEPT_S = 30 * 24 * 3600.0
+"""Indices of other contents that were not opened for this long are removed [s]."""
 
 
 def cache_folder() -> Path:
-    """Folder of the indices: `$RAGVLM_CACHE`, else `$XDG_CACHE_HOME/ragvlm`, else `~/.cache/ragvlm`; with /kb."""
+    """Folder of the indices: `$RAGVLM_CACHE/kb`, else `$XDG_CACHE_HOME/ragvlm/kb`, else `~/.cache/ragvlm/kb`."""
     chosen = os.environ.get("RAGVLM_CACHE")
     if chosen:
         return Path(chosen) / "kb"
@@ -43,10 +48,12 @@ def open_index(entries: Sequence[Experience], content: str) -> Any:
         import chromadb
     except ImportError as error:
         raise EnvironmentFaultError("chromadb cannot be imported", mend="install the package with `make`") from error
-    if entries:
+    if entries and os.environ.get("RAGVLM_CACHE") != IN_MEMORY:
         try:
             place = _ensure(entries, cache_folder() / content)
-            return _opened(place, len(entries))
+            collection = _opened(place, len(entries))
+            _prune(place)
+            return collection
         except Exception as error:  # an unusable cache (read-only, full, damaged) must not stop a run
             log.info("index in memory: %s", error)
     client = chromadb.EphemeralClient(_settings())
@@ -81,6 +88,15 @@ def _opened(place: Path, count: int) -> Any:
     if collection.count() != count:
         raise OSError(f"the index {place} is incomplete")
     return collection
+
+
+def _prune(place: Path) -> None:
+    """Marks this index as used and removes what nobody has used for long."""
+    os.utime(place)
+    oldest = time.time() - KEPT_S
+    for other in place.parent.iterdir():
+        if other != place and other.is_dir() and other.stat().st_mtime < oldest:
+            shutil.rmtree(other, ignore_errors=True)
 
 
 def _settings() -> Any:

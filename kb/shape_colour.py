@@ -26,13 +26,17 @@ DEPTH_SPAN = 0.12
 SHARES = {"colour": 0.25, "rows": 0.25, "sectors": 0.2, "rings": 0.15, "bulge": 0.1, "shape": 0.05}
 """Share of each group in the squared length. Colour is free for most categories, so it gets a quarter."""
 
+LEVELS = 6
+"""Bumps per number: a number is spread over the bumps near it, so that different numbers give different directions
+(profiles themselves are alike: their cosines are all near 1)."""
+
 _SIZES = {
     "colour": HUES * SATURATIONS + GREYS,
-    "rows": 2 * ROWS,
-    "sectors": SECTORS,
+    "rows": LEVELS * ROWS,
+    "sectors": LEVELS * SECTORS,
     "rings": RINGS,
     "bulge": BULGES,
-    "shape": 4,
+    "shape": 2 * LEVELS,
 }
 
 
@@ -62,7 +66,7 @@ class ShapeColourEmbedder:
         if rows.size == 0:
             raise BadInputError("the mask is empty: there is nothing to embed")
         outline = _grid(mask, rows, columns)
-        groups = {
+        groups: dict[str, Array] = {
             "colour": _colour(rgb[rows, columns].astype(np.float64) / 255.0),
             "rows": _row_profile(outline),
             **_polar(outline),
@@ -100,8 +104,11 @@ def _colour(pixels: Array) -> Array:
     result = np.zeros(_SIZES["colour"])
     if (~grey).any():
         p, c, h = pixels[~grey], chroma[~grey], high[~grey]
-        r, g, b = p.T
-        hue = np.where(h == r, (g - b) / c % 6.0, np.where(h == g, (b - r) / c + 2.0, (r - g) / c + 4.0)) / 6.0
+        r, g, b = p[:, 0], p[:, 1], p[:, 2]
+        sector = (r - g) / c + 4.0
+        sector[h == g] = ((b - r) / c)[h == g] + 2.0
+        sector[h == r] = ((g - b) / c)[h == r] % 6.0
+        hue = sector / 6.0
         position = hue * HUES - 0.5
         first = np.floor(position)
         share = position - first
@@ -116,16 +123,17 @@ def _colour(pixels: Array) -> Array:
     return result / len(pixels)
 
 
+def _bumps(values: Array) -> Array:
+    """Numbers in [0, 1] (N,) as shares of `LEVELS` Gaussian bumps each, shape (N * LEVELS,); each number sums to 1."""
+    centres = np.linspace(0.0, 1.0, LEVELS)
+    width = centres[1] - centres[0]
+    shares = np.exp(-(((np.clip(values, 0.0, 1.0)[:, None] - centres) / width) ** 2))
+    return (shares / shares.sum(axis=1, keepdims=True)).ravel()
+
+
 def _row_profile(outline: NDArray[np.bool_]) -> Array:
-    """Filled width and outer span per horizontal band, as shares of the side: their difference shows holes."""
-    bands = outline.reshape(ROWS, SIDE // ROWS, SIDE)
-    filled = bands.mean(axis=(1, 2))
-    column = np.arange(SIDE)
-    seen = outline.any(axis=1)
-    last = np.where(outline, column, -1).max(axis=1)
-    first = np.where(outline, column, SIDE).min(axis=1)
-    span = np.where(seen, last - first + 1, 0).reshape(ROWS, -1).mean(axis=1) / SIDE
-    return np.concatenate([filled, span])
+    """Filled width per horizontal band, as bumps."""
+    return _bumps(outline.reshape(ROWS, SIDE // ROWS, SIDE).mean(axis=(1, 2)))
 
 
 def _polar(outline: NDArray[np.bool_]) -> dict[str, Array]:
@@ -137,7 +145,7 @@ def _polar(outline: NDArray[np.bool_]) -> dict[str, Array]:
     reach = np.zeros(SECTORS)
     np.maximum.at(reach, sector, distance)
     ring = np.minimum((distance / (SIDE / 2.0) * RINGS).astype(int), RINGS - 1)
-    return {"sectors": reach / SIDE, "rings": np.bincount(ring, minlength=RINGS) / len(r)}
+    return {"sectors": _bumps(reach / (SIDE / 2.0)), "rings": np.bincount(ring, minlength=RINGS) / len(r)}
 
 
 def _bulge(depth: Array) -> Array:
@@ -150,8 +158,6 @@ def _bulge(depth: Array) -> Array:
 
 
 def _shape(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
-    """Extent (area over bounding box) and aspect ratio, each with its complement."""
+    """Extent (area over bounding box) and aspect (height over height plus width), as bumps."""
     height, width = float(np.ptp(rows) + 1), float(np.ptp(columns) + 1)
-    extent = len(rows) / (height * width)
-    aspect = height / (height + width)
-    return np.array([extent, 1.0 - extent, aspect, 1.0 - aspect])
+    return _bumps(np.array([len(rows) / (height * width), height / (height + width)]))

@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,6 @@ class ExperienceStore:
         self._entries = list(entries)
         self._path = path
         self._by_id = {entry.id: entry for entry in self._entries}
-        self._matrix: NDArray[np.float64] | None = None
         self._collection: Any = None
         for entry in self._entries:
             _check(entry, header)
@@ -175,7 +174,7 @@ class ExperienceStore:
         entries = [*self._entries, entry]
         if self._path is not None:
             write_store(self._path, self._header, entries)
-        self._entries, self._collection, self._matrix = entries, None, None
+        self._entries, self._collection = entries, None
         self._by_id[entry.id] = entry
 
     def save(self, path: str | Path) -> None:
@@ -278,7 +277,7 @@ def _json(line: str, where: str) -> dict[str, Any]:
         raise BadInputError(f"damaged line ({error.msg} at column {error.colno})", where=where) from error
     if not isinstance(value, dict):
         raise BadInputError("damaged line (not an object)", where=where)
-    return value
+    return cast(dict[str, Any], value)
 
 
 def _model(model: type[_Model], value: dict[str, Any], where: str) -> _Model:

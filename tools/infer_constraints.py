@@ -81,7 +81,7 @@ def supported_by(graph: SceneGraph, target: str) -> tuple[str, ...]:
     tree: nx.DiGraph[str] = nx.DiGraph()
     tree.add_node(target)
     tree.add_edges_from((e.source, e.target) for e in graph.edges if e.relation == "SUPPORTS")
-    above = nx.descendants(tree, target) - {target}
+    above: set[str] = nx.descendants(tree, target) - {target}  # pyright: ignore[reportUnknownMemberType]
     height = {node.id: node.position[2] - node.size[2] / 2.0 for node in graph.nodes}
     return tuple(sorted(above, key=lambda name: (-height[name], name)))
 

@@ -152,7 +152,8 @@ def _random(
 ) -> Retrieval:
     """Draws k experiences at random among the exact category's, else among all that level 1 admitted."""
     pool = [item for item in admitted if item.s_cat == 1.0] or list(admitted)
-    drawn = tuple(pool[i] for i in rng.permutation(len(pool))[:k])
+    order: list[int] = rng.permutation(len(pool)).tolist()
+    drawn = tuple(pool[i] for i in order[:k])
     funnel = Funnel(total=total, level1=len(admitted), level2=len(pool), level3=len(drawn), fallback=fallback)
     return Retrieval(top=drawn, funnel=funnel)
 
