@@ -46,7 +46,7 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         args.plan.grasp,
         joints=args.plan.joints or None,
         obstacles=obstacles(args.percept),
-        abort_force=abort_force(target),
+        force_limit=abort_force(target),
     )
 
 

@@ -1,0 +1,198 @@
+"""Put down what is held: into the bin, at a point, on a side of the table, beside or on something else.
+
+The place is chosen on the percept: free of other objects, within the arm's reach, with room for the hand. The object is
+lowered upright until the wrist feels the ground.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from kb.base import Noun, Vec2
+from kb.errors import BadInputError
+from kb.percept import PerceivedObject, Percept
+from kb.sensing import Plan, Sensing
+from tools.context import ToolContext
+from tools.planning.obstacles import obstacles
+from tools.planning.set_down import (
+    BIN_RAISES,
+    BIN_SLOTS,
+    GAP,
+    SetDown,
+    feasible,
+    footprint_radius,
+    is_free,
+    points_of,
+    set_downs,
+    spiral,
+)
+
+Place = Literal["bin", "point", "side", "beside", "on", "aside", "hand_over"]
+Side = Literal["left", "right", "front", "back", "middle"]
+Relation = Literal["near", "left_of", "right_of", "behind", "in_front_of", "nearest_to", "touching", "between"]
+
+SIDES: dict[Side, Vec2] = {
+    "left": (0.48, 0.27),
+    "right": (0.48, -0.27),
+    "front": (0.36, 0.0),
+    "back": (0.66, 0.0),
+    "middle": (0.50, 0.0),
+}
+"""Middles of the table's regions as seen from the robot [m]; y points left."""
+BESIDE_GAP = 0.05
+"""Surface gap wanted when something is put next to something [m]."""
+TRIES = 60
+"""Poses whose reach is checked before giving up."""
+
+
+class PlaceArgs(Noun):
+    """Arguments of `place_object`."""
+
+    percept: Percept
+    """What stands where now; the held object is not in it, or is left out by its id."""
+    held: Plan
+    """The plan with which the object was gripped."""
+    object: PerceivedObject
+    """The object as it stood before it was taken."""
+    kind: Place
+    point: Vec2 | None = None
+    """Wanted centre of the footprint for "point" [m]; the nearest free place is taken."""
+    side: Side | None = None
+    """Part of the table for "side"."""
+    reference: str | None = None
+    """Perceived id for "beside" and "on"."""
+    relation: Relation = "near"
+    """Which side of the reference."""
+    slot: Annotated[int, Field(ge=0)] = 0
+    """How many things were already put there: they are spread inside the bin."""
+    keep_in: tuple[Vec2, Vec2] | None = None
+    """Corners of a rectangle in which the centre must lie (a lane) [m]."""
+
+
+def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
+    """Sets the held object down.
+
+    Args:
+        args: What is held, where to, and what stands around.
+        context: The robot.
+
+    Returns:
+        What was sensed; `stopped_by` "path" with phase "plan" if no free place is within reach.
+
+    Raises:
+        BadInputError: if a needed point, side, reference or bin is missing.
+    """
+    boxes = obstacles(args.percept, without=(args.object.id,))
+    if args.kind == "hand_over":
+        return context.robot.handover(boxes)
+    chosen = choose_place(args, context)
+    if chosen is None:
+        return Sensing(reachable=False, stopped_by="path", phase="plan", aperture_end=float(context.robot.aperture))
+    return context.robot.place(
+        chosen.position, approach=chosen.approach, yaw=chosen.yaw, obstacles=boxes, speed=args.held.grasp.speed
+    )
+
+
+def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
+    """The first free, reachable place in the order of preference, or None."""
+    joints = np.asarray(context.robot.joints, float)
+    points_w = points_of(args.percept, without=(args.object.id,))
+    for tried, option in enumerate(_options(args)):
+        if tried >= TRIES * 12:
+            return None
+        if feasible(option, args.held.grasp, joints, points_w):
+            return option
+    return None
+
+
+def _options(args: PlaceArgs) -> Iterator[SetDown]:
+    """Hand poses in the order of preference."""
+    if args.kind == "bin":
+        yield from _in_bin(args)
+        return
+    ignore = (args.object.id,)
+    support = 0.0
+    if args.kind == "on":
+        below = _reference(args)
+        support, centres = below.top_z, iter([(below.position[0], below.position[1])])
+        yield from set_downs(args.object, args.held.grasp, next(centres), support)
+        return
+    radius = footprint_radius(args.object)
+    places = 0
+    for gap in (GAP, 0.012):
+        for centre in _wanted(args):
+            if _inside(centre, args) and is_free(centre, radius, args.percept, ignore, gap):
+                yield from set_downs(args.object, args.held.grasp, centre, support)
+                places += 1
+                if places >= TRIES:
+                    return
+
+
+def _wanted(args: PlaceArgs) -> Iterator[Vec2]:
+    """Centres of footprints, most wanted first."""
+    if args.kind == "point":
+        if args.point is None:
+            raise BadInputError("a point is needed", where="point")
+        yield from spiral(args.point)
+    elif args.kind == "side":
+        if args.side is None:
+            raise BadInputError("a side is needed", where="side", choices=list(SIDES))
+        yield from spiral(SIDES[args.side])
+    elif args.kind == "beside":
+        yield from _around(args)
+    else:
+        # Aside: anywhere, near where it stood but out of its place.
+        x, y, _ = args.object.position
+        for distance in (0.16, 0.20, 0.24, 0.28, 0.32):
+            for k in range(16):
+                angle = 2 * math.pi * k / 16
+                yield x + distance * math.cos(angle), y + distance * math.sin(angle)
+
+
+def _around(args: PlaceArgs) -> Iterator[Vec2]:
+    """Places around the reference: on the wanted side first, then fanning out from it."""
+    other = _reference(args)
+    bearings = {"left_of": math.pi / 2, "right_of": -math.pi / 2, "behind": 0.0, "in_front_of": math.pi}
+    radius = footprint_radius(args.object) + 0.5 * math.hypot(other.size[0], other.size[1])
+    wanted = bearings.get(args.relation)
+    start = wanted if wanted is not None else math.atan2(-other.position[1], 0.48 - other.position[0])
+    widest = math.radians(40.0) if wanted is not None else math.pi
+    for gap in (BESIDE_GAP, 0.035, 0.07):
+        for k in range(13):
+            fan = widest * ((k + 1) // 2) / 6 * (1 if k % 2 else -1)
+            angle = start + fan
+            yield (
+                other.position[0] + (radius + gap) * math.cos(angle),
+                other.position[1] + (radius + gap) * math.sin(angle),
+            )
+
+
+def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
+    if args.percept.bin is None:
+        raise BadInputError("there is no bin in this scene", where="bin")
+    low, high = args.percept.bin
+    middle = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
+    first = args.slot % len(BIN_SLOTS)
+    for raised in BIN_RAISES:
+        for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first]):
+            yield from set_downs(args.object, args.held.grasp, (middle[0] + dx, middle[1] + dy), low[2] + raised)
+
+
+def _inside(centre: Vec2, args: PlaceArgs) -> bool:
+    if args.keep_in is None:
+        return True
+    (x0, y0), (x1, y1) = args.keep_in
+    return x0 <= centre[0] <= x1 and y0 <= centre[1] <= y1
+
+
+def _reference(args: PlaceArgs) -> PerceivedObject:
+    try:
+        return args.percept.object(args.reference or "")
+    except KeyError:
+        seen = [item.id for item in args.percept.objects]
+        raise BadInputError(f"no object {args.reference!r} in this percept", where="reference", choices=seen) from None

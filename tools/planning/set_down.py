@@ -1,0 +1,137 @@
+"""Where a held object can be set down: free places, the hand's pose there, and whether the arm gets to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from kb.base import Vec2, Vec3
+from kb.grasp import Grasp
+from kb.percept import PerceivedObject, Percept
+from sim.hand import swept_clearance
+from sim.reach import Reach, solve_reach
+from tools.planning.candidate import Array, vec3
+from tools.planning.surroundings import completed
+
+TABLE_X, TABLE_Y = (0.31, 0.74), (-0.34, 0.34)
+"""Where footprints' centres may stand: the table (ledger G40) less a margin [m]."""
+GAP = 0.03
+"""Distance kept between what is set down and what stands there [m]."""
+HAND_GAP = 0.006
+"""Distance that the hand keeps from everything while it sets down [m]."""
+TURNS = tuple(math.radians(a) for a in (0, 20, -20, 45, -45, 70, -70, 95, -95, 130, -130, 180))
+"""Turns of the held object about the vertical that are tried [rad]."""
+DROP = 0.004
+"""Height above the support at which the set-down aims [m]; contact is felt for from there."""
+BIN_SLOTS: tuple[Vec2, ...] = ((0.0, 0.0), (0.075, 0.055), (-0.075, -0.055), (0.075, -0.055), (-0.075, 0.055))
+"""Places inside the bin, from its middle [m]; which comes first depends on how much is in already."""
+BIN_RAISES = (0.0, 0.02, 0.04, 0.07, 0.11)
+"""How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
+
+
+@dataclass(frozen=True)
+class SetDown:
+    """A hand pose at which the object stands (or hangs just above) the wanted place."""
+
+    position: Vec3
+    """Tool point [m]."""
+    approach: Vec3
+    yaw: float
+    centre: Vec2
+    """Where the footprint's centre will be [m]."""
+
+
+def footprint_radius(held: PerceivedObject) -> float:
+    """Radius of a circle around the footprint [m]."""
+    return (
+        0.5 * math.hypot(held.size[0], held.size[1]) if held.shape not in ("sphere", "cylinder") else held.size[0] / 2
+    )
+
+
+def is_free(centre: Vec2, radius: float, percept: Percept, ignore: tuple[str, ...] = (), gap: float = GAP) -> bool:
+    """Whether a circle on the table keeps its distance from every perceived object's box."""
+    if not (TABLE_X[0] <= centre[0] <= TABLE_X[1] and TABLE_Y[0] <= centre[1] <= TABLE_Y[1]):
+        return False
+    return all(box_distance(centre, other) >= radius + gap for other in percept.objects if other.id not in ignore)
+
+
+def box_distance(point: Vec2, other: PerceivedObject) -> float:
+    """Distance of a point from the footprint of an object's box [m]; 0 inside."""
+    cosine, sine = math.cos(other.yaw), math.sin(other.yaw)
+    x, y = point[0] - other.position[0], point[1] - other.position[1]
+    along, across = abs(cosine * x + sine * y) - other.size[0] / 2, abs(cosine * y - sine * x) - other.size[1] / 2
+    return math.hypot(max(along, 0.0), max(across, 0.0))
+
+
+def spiral(centre: Vec2, step: float = 0.02, rings: int = 9) -> Iterator[Vec2]:
+    """Points around a centre, nearest first."""
+    yield centre
+    for ring in range(1, rings + 1):
+        count = 6 * ring
+        for k in range(count):
+            angle = 2 * math.pi * k / count
+            yield centre[0] + ring * step * math.cos(angle), centre[1] + ring * step * math.sin(angle)
+
+
+def set_downs(held: PerceivedObject, grasp: Grasp, centre: Vec2, support_z: float) -> Iterator[SetDown]:
+    """Hand poses that put the object's footprint at `centre`, upright, turned by each of `TURNS`.
+
+    Args:
+        held: The object as it stood when it was gripped.
+        grasp: The grasp that holds it.
+        centre: Wanted centre of the footprint [m].
+        support_z: Height of what it is to stand on [m].
+    """
+    offset = np.asarray(grasp.position) - np.array([held.position[0], held.position[1], held.base_z])
+    # A top grasp may turn freely; a side grasp turns with the bearing so that the arm stays in its plane.
+    start = math.atan2(held.position[1], held.position[0])
+    natural = math.atan2(centre[1], centre[0]) - start if abs(grasp.approach[2]) < 0.8 else 0.0
+    for turn in TURNS:
+        angle = natural + turn
+        yield SetDown(
+            position=vec3(np.array([centre[0], centre[1], support_z + DROP]) + _turned(offset, angle)),
+            approach=vec3(_turned(np.asarray(grasp.approach), angle)),
+            yaw=math.remainder(grasp.yaw + angle, 2 * math.pi),
+            centre=centre,
+        )
+
+
+def feasible(option: SetDown, grasp: Grasp, joints: Array, obstacles_w: Array) -> bool:
+    """Whether the arm reaches the pose from straight above and the hand stays clear of everything there."""
+    pose = Grasp(
+        position=option.position,
+        approach=option.approach,
+        yaw=option.yaw,
+        aperture=grasp.aperture,
+        force=grasp.force,
+        type=grasp.type,
+        standoff=0.10,
+    )
+    if len(obstacles_w) and swept_clearance(pose, obstacles_w, lift=0.10) < HAND_GAP:
+        return False
+    return isinstance(solve_reach(pose, joints, lift=0.08), Reach)
+
+
+def points_of(percept: Percept, without: tuple[str, ...] = ()) -> Array:
+    """Surface points of everything perceived, and of the bin's walls, shape (N, 3) [m]."""
+    clouds = [completed(other) for other in percept.objects if other.id not in without]
+    if percept.bin is not None:
+        clouds.append(bin_points(percept.bin))
+    return np.concatenate(clouds) if clouds else np.zeros((0, 3))
+
+
+def bin_points(corners: tuple[Vec3, Vec3]) -> Array:
+    """Points on the walls of the bin, 10 mm apart, shape (N, 3) [m]."""
+    low, high = np.asarray(corners[0]), np.asarray(corners[1])
+    xs, ys, zs = (np.arange(a, b + 0.005, 0.010) for a, b in zip(low, high, strict=True))
+    sides = [np.stack(np.meshgrid([x], ys, zs, indexing="ij"), -1).reshape(-1, 3) for x in (low[0], high[0])]
+    sides += [np.stack(np.meshgrid(xs, [y], zs, indexing="ij"), -1).reshape(-1, 3) for y in (low[1], high[1])]
+    return np.concatenate(sides)
+
+
+def _turned(vector: Array, angle: float) -> Array:
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.array([cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1], vector[2]])
