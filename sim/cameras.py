@@ -153,10 +153,10 @@ def cast(model: Any, data: Any, camera: CameraDraw, placed: PlacedScene, *, whol
     rays = _pixel_rays(camera.width, camera.height, focal) @ camera.true_pose[:3, :3].T.astype(np.float32)
     chosen = np.arange(len(rays)) if whole else _enters_volume(eye, rays)
     geom, depth, normal = _cast_rays(model, data, eye, rays[chosen])
-    image = _floor(camera, eye, rays)
+    light = _Light(model, placed)
+    image = _floor(camera, eye, rays, light)
     hit = geom >= 0
     pixels = chosen[hit]
-    light = _Light(model, placed)
     colour = light.shade(geom[hit], eye, rays[pixels], depth[hit], normal[hit])
     clear = light.rgba[geom[hit], 3] < 0.99
     through = pixels[clear]
@@ -171,14 +171,14 @@ def cast(model: Any, data: Any, camera: CameraDraw, placed: PlacedScene, *, whol
     return image
 
 
-def _floor(camera: CameraDraw, eye: NDArray[np.float64], rays: NDArray[np.float32]) -> RayImage:
+def _floor(camera: CameraDraw, eye: NDArray[np.float64], rays: NDArray[np.float32], light: _Light) -> RayImage:
     """An image of the bare floor."""
     shape = (camera.height, camera.width)
     with np.errstate(divide="ignore"):
         depth = np.float32(FLOOR_Z - eye[2]) / rays[:, 2]
     depth[(depth < 0) | (depth > 10.0)] = 0.0
     rgb = np.empty((*shape, 3), np.float32)
-    rgb[:] = FLOOR_COLOUR
+    rgb[:] = light.floor()
     return RayImage(depth.reshape(shape), np.full(shape, -1, np.int32), rgb, np.zeros(shape, bool))
 
 
@@ -207,6 +207,7 @@ class _Light:
     """Lambert shading of geom colours under one distant light and an ambient part."""
 
     def __init__(self, model: Any, placed: PlacedScene) -> None:
+        self.model = model
         material = model.geom_matid
         rgba = np.where((material >= 0)[:, None], model.mat_rgba[material], model.geom_rgba) if model.nmat else None
         self.rgba = np.array(model.geom_rgba if rgba is None else rgba, np.float32)
@@ -215,6 +216,12 @@ class _Light:
         self.ambient = np.float32(placed.ambient)
         self.table = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, "table")
         self.pattern = [float(placed.extras.get(key, 0.0)) for key in ("table_contrast", "table_grain", "table_turn")]
+
+    def floor(self) -> NDArray[np.float32]:
+        """Colour (3,) of the floor, whose normal is up."""
+        floor = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, "floor")
+        colour = self.rgba[floor, :3] if floor >= 0 else FLOOR_COLOUR
+        return colour * (self.ambient + (1 - self.ambient) * max(np.float32(0.0), self.direction[2]))
 
     def shade(
         self,

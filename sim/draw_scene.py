@@ -14,11 +14,11 @@ import numpy as np
 
 from kb.errors import BadInputError
 from sim.cameras import draw_cameras
-from sim.catalogue import MODELS
+from sim.catalogue import FRICTION, MODELS
 from sim.footprint import gap, outline
 from sim.objects import bin as bin_shape
 from sim.objects.form import quaternion_about
-from sim.particles import fill
+from sim.particles import contained, fill
 from sim.placed import PlacedObject, PlacedScene, RequiredConstraint, Task
 from sim.scene_file import placement_order
 from sim.scene_spec import ObjectSpec, Randomise, SceneSpec
@@ -57,16 +57,14 @@ def draw_scene(spec: SceneSpec, seed: int) -> PlacedScene:
     family = family_of(spec)
     spec = family.vary(spec, np.random.default_rng(vary))
     streams = [np.random.default_rng(stream) for stream in instances.spawn(len(spec.objects))]
-    things = {
-        entry.id: draw_object(entry, spec, stream) for entry, stream in zip(spec.objects, streams, strict=True)
-    }
+    things = {entry.id: draw_object(entry, spec, stream) for entry, stream in zip(spec.objects, streams, strict=True)}
     scene = PlacedScene(
         name=spec.name,
         seed=seed,
         objects=(),
         cameras=draw_cameras(np.random.default_rng(cameras)),
         task=_task(spec),
-        **_surroundings(np.random.default_rng(look)),  # type: ignore[arg-type]
+        **surroundings(np.random.default_rng(look)),  # type: ignore[arg-type]
     )
     return _placed(spec, scene, things, family, np.random.default_rng(place), np.random.default_rng(contents))
 
@@ -95,8 +93,6 @@ def draw_object(entry: ObjectSpec, spec: SceneSpec, rng: np.random.Generator) ->
         )
     chosen = MODELS[entry.model]
     scale = entry.scale * (1 + spread.size * _truncated(size, spread, chosen.largest))
-    from sim.catalogue import FRICTION
-
     nominal_friction = FRICTION[chosen.affordance.material] if entry.friction is None else entry.friction
     return chosen.draw(
         rng,
@@ -131,7 +127,7 @@ def _task(spec: SceneSpec) -> Task | None:
     )
 
 
-def _surroundings(rng: np.random.Generator) -> dict[str, object]:
+def surroundings(rng: np.random.Generator) -> dict[str, object]:
     """Light, and the table's colour and grain."""
     azimuth, height = float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.5, 1.2))
     wood = np.array([0.72, 0.66, 0.58]) * rng.uniform(0.7, 1.15) + rng.uniform(-0.06, 0.06, 3)
@@ -175,8 +171,8 @@ def _has_drawn_places(spec: SceneSpec) -> bool:
     spread = spec.randomise
     if spread.position > 0 or spread.yaw > 0 or spread.size > 0:
         return True
-    drawn = (thing.position is None and thing.on is None and thing.model != "bin" for thing in spec.objects)
-    return any(drawn)
+    free = (thing.position is None and thing.on is None and thing.model != "bin" for thing in spec.objects)
+    return any(free) or any(thing.state == "filled" for thing in spec.objects)
 
 
 def _one_placement(
@@ -216,7 +212,7 @@ def _put(
     if entry.near is not None:
         free = _draw(entry.gap if entry.gap is not None else NEIGHBOUR_GAP, rng)
         bearing = _draw(entry.bearing if entry.bearing is not None else (-math.pi, math.pi), rng)
-        return _beside(thing, done[entry.near], free, bearing)
+        return beside(thing, done[entry.near], free, bearing)
     if entry.position is not None:
         height = entry.position[2] if len(entry.position) == 3 else 0.0
         return replace(
@@ -230,7 +226,7 @@ def _draw(value: float | tuple[float, float], rng: np.random.Generator) -> float
     return float(rng.uniform(*value)) if isinstance(value, tuple) else value
 
 
-def _beside(thing: PlacedObject, other: PlacedObject, free: float, bearing: float) -> PlacedObject:
+def beside(thing: PlacedObject, other: PlacedObject, free: float, bearing: float) -> PlacedObject:
     """The object at `bearing` from the other one with a free distance of `free` between their outlines (bisection)."""
     fixed, moving = outline(other), outline(replace(thing, position=(0.0, 0.0, 0.0)))
     direction = np.array([math.cos(bearing), math.sin(bearing)])
@@ -329,6 +325,10 @@ def _at_rest(spec: SceneSpec, scene: PlacedScene, contents: np.random.Generator)
         on = spec.entry(thing.id).on
         if on is not None and thing.position[2] < start.position[2] - 0.03:
             raise BadInputError(f"it does not stay on {on!r}", where=where)
+    for group in settled.particles:
+        container = next(thing for thing in settled.objects if thing.id == group.container)
+        if not contained(container, group.positions):
+            raise BadInputError("its contents do not stay inside", where=spec.where(group.container))
     if not rests:
         raise BadInputError("its objects do not come to rest within 3 s", where=spec.where())
     return settled

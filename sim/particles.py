@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.footprint import rotation
 from sim.placed import Cavity, Particles, PlacedObject
@@ -15,7 +16,7 @@ FILL = 0.70
 """Height of the contents over the container's height."""
 DENSITY = 900.0
 """Density of the balls [kg/m^3]: chocolates in a cup."""
-PACKING = 0.53
+PACKING = 0.47
 """Share of the volume that balls of this size fill in a cup, measured after settling."""
 CLEARANCE = 2e-4
 """Free distance between balls, and to the wall, at the start [m]."""
@@ -55,6 +56,16 @@ def fill(container: PlacedObject, rng: np.random.Generator) -> Particles:
     )
 
 
+def contained(container: PlacedObject, positions: NDArray[np.float64]) -> bool:
+    """Whether every ball's centre (N, 3) in the world lies within the container's cavity, below its rim."""
+    cavity = container.cavity
+    if cavity is None:
+        return False
+    local = (positions - np.asarray(container.position)) @ rotation(container.quaternion)
+    inside = np.hypot(local[:, 0], local[:, 1]) < cavity.radius_top
+    return bool(np.all(inside & (local[:, 2] > 0.0) & (local[:, 2] < cavity.top)))
+
+
 def _radius(cavity: Cavity, height: float) -> float:
     """Free radius at a height above the base [m]; above the opening that of the opening."""
     share = min(1.0, max(0.0, (height - cavity.floor) / (cavity.top - cavity.floor)))
@@ -75,7 +86,9 @@ def _layer(radius: float, turn: float) -> list[tuple[float, float]]:
     step = 2 * RADIUS + CLEARANCE
     reach = int(radius / step) + 2
     centres = [
-        (step * (i + j / 2), step * j * math.sqrt(3) / 2) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)
+        (step * (i + j / 2), step * j * math.sqrt(3) / 2)
+        for i in range(-reach, reach + 1)
+        for j in range(-reach, reach + 1)
     ]
     chosen = [(x, y) for x, y in centres if math.hypot(x, y) <= radius]
     cos, sin = math.cos(turn), math.sin(turn)

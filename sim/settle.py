@@ -72,7 +72,9 @@ def settle(placed: PlacedScene) -> tuple[PlacedScene, bool]:
         if rests and look >= 3:
             break
         before = after
-    poses = {name: data.qpos[address : address + 7].copy() for name, address in zip([*names, *balls], free, strict=True)}
+    poses = {
+        name: data.qpos[address : address + 7].copy() for name, address in zip([*names, *balls], free, strict=True)
+    }
     return _with_poses(placed, poses), rests
 
 
@@ -81,9 +83,7 @@ def _places(data: Any, free: list[int]) -> Any:
 
 
 def _with_poses(placed: PlacedScene, poses: dict[str, Any]) -> PlacedScene:
-    objects = tuple(
-        thing if thing.fixed else replace(thing, **_pose(poses[thing.id])) for thing in placed.objects
-    )
+    objects = tuple(thing if thing.fixed else replace(thing, **_pose(poses[thing.id])) for thing in placed.objects)
     particles = tuple(
         replace(
             group,
