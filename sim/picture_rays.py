@@ -119,8 +119,8 @@ class RayPainter:
         """Glass: what is behind it, tinted, and more of its own colour where it is seen at a slant (Fresnel)."""
         cosine = np.abs(np.einsum("ij,ij->i", hits.normal[glass], rays[glass].astype(np.float32)))
         alpha = self._alpha[hits.geom[glass]]
-        opacity = np.clip(alpha * 0.6 + 0.6 * (1.0 - cosine) ** 2.5, 0, 1)[:, None]
-        tint = 0.55 + 0.45 * self._albedo[hits.geom[glass]]
+        opacity = np.clip(alpha * 0.8 + 0.6 * (1.0 - cosine) ** 2.5, 0, 1)[:, None]
+        tint = 0.35 + 0.65 * self._albedo[hits.geom[glass]]
         return own * opacity + through * tint * (1.0 - opacity)
 
     def _cast(self, model: mujoco.MjModel, eye: NDArray[np.float64], rays: NDArray[np.float64]) -> _Hits:
@@ -235,7 +235,7 @@ def _linear(srgb: NDArray[np.floating]) -> Array:
 
 def _tone(colour: Array) -> Array:
     """Compresses bright light so that white stays white without burning out (Reinhard's curve with a white point)."""
-    exposed = colour * np.float32(0.92)
+    exposed = colour * np.float32(0.80)
     return (exposed * (1.0 + exposed / 2.6**2) / (1.0 + exposed * 0.55)).astype(np.float32)
 
 

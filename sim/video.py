@@ -28,6 +28,9 @@ MAX_FRAMES = {"opengl": 150, "raycast": 70}
 SIZES = {"opengl": (640, 360), "raycast": (400, 225)}
 """Width and height of a frame [px], by how it is painted."""
 
+COLOURS, PALETTE_FRAMES = 128, 6
+"""Colours of a GIF, and the number of frames that they are chosen from."""
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -123,13 +126,12 @@ def _write_gif(frames: Iterator[NDArray[np.uint8]], target: Path, fps: float) ->
     from PIL import Image
 
     first, *rest = [Image.fromarray(frame) for frame in frames]
-    palette = first.quantize(colors=128, method=Image.Quantize.MEDIANCUT)
-    if rest:
-        # Colours that appear later (an object turned, the bin in view) must be in the palette too.
-        sheet = Image.new("RGB", (first.width, first.height * 3))
-        for row, picture in enumerate((first, rest[len(rest) // 2], rest[-1])):
-            sheet.paste(picture, (0, row * first.height))
-        palette = sheet.quantize(colors=128, method=Image.Quantize.MEDIANCUT)
+    # Colours that appear later (an object turned, the bin in view) must be in the palette too.
+    shown = [(first, *rest)[i] for i in np.unique(np.linspace(0, len(rest), PALETTE_FRAMES).round().astype(int))]
+    sheet = Image.new("RGB", (first.width, first.height * len(shown)))
+    for row, picture in enumerate(shown):
+        sheet.paste(picture, (0, row * first.height))
+    palette = sheet.quantize(colors=COLOURS, method=Image.Quantize.MEDIANCUT)
     indexed = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in (first, *rest)]
     indexed[0].save(
         target, save_all=True, append_images=indexed[1:], duration=round(1000 / fps), loop=0, optimize=False

@@ -30,8 +30,8 @@ def visual_model(placed: PlacedScene) -> mujoco.MjModel:
             geom.rgba = MESH_COLOURS[geom.meshname]
         elif geom.name == "floor":
             geom.rgba = (0.80, 0.82, 0.85, 1.0)
-    _box(spec, (-0.04, 0.0, FLOOR_Z / 2), (0.13, 0.13, -FLOOR_Z / 2))
-    _box(spec, (-0.04, 0.0, -0.012), (0.17, 0.17, 0.012))
+    _box(spec, (-0.04, 0.0, FLOOR_Z / 2 - 0.02), (0.13, 0.13, -FLOOR_Z / 2 - 0.02))
+    _box(spec, (-0.04, 0.0, -0.015), (0.17, 0.17, 0.012))
     for side_x in (-1, 1):
         for side_y in (-1, 1):
             x = TABLE_CENTRE[0] + side_x * (TABLE_HALF[0] - 0.035)
