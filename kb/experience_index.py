@@ -70,7 +70,7 @@ def _ensure(entries: Sequence[Experience], place: Path) -> Path:
         place.parent.mkdir(parents=True, exist_ok=True)
         building = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
         try:
-            client = chromadb.PersistentClient(str(building), _settings())
+            client: Any = chromadb.PersistentClient(str(building), _settings())
             _fill(_empty(client, NAME), entries)
             client.close()
             os.rename(building, place)
