@@ -22,6 +22,10 @@ class Verdict(Noun):
     correct_object: bool
     placed: bool | None = None
     """For a place goal: the object rests where it was to go."""
+    slip_lift_m: Finite = 0.0
+    """Part of the slip that happened while the object was lifted."""
+    slip_hold_m: Finite = 0.0
+    """Slip from the end of the lift on, while it was held and shaken."""
 
 
 class ObservedAttempt(Noun):
@@ -31,3 +35,9 @@ class ObservedAttempt(Noun):
     success: bool
     failure: FailureType | None
     """Label of the first anomalous event in time."""
+    lift_success: bool = False
+    """Weaker than `success`, comparable with literature: the right object was raised 10 cm and not lost."""
+    affordance_correct: bool = False
+    """The pads closed on the annotated region."""
+    strict: bool = False
+    """`success`, on the annotated region, and no required constraint violated."""
