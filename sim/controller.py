@@ -48,6 +48,11 @@ def along(path: Array, seconds: float) -> Array:
     return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, quintic(steps(seconds)))
 
 
+def part(path: Array, first: float, last: float, count: int = 13) -> Array:
+    """Evenly spaced points (count, 7) of a path (K, 7) between two shares of its length in [0, 1]."""
+    return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, np.linspace(first, last, count))
+
+
 def along_evenly(path: Array, seconds: float) -> Array:
     """The same at constant speed, for creeping until something is touched."""
     count = steps(seconds)

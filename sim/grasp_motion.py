@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.grasp import Grasp
-from sim.controller import CLOSED, along, along_evenly, follow, hold
+from sim.build_model import TIMESTEP
+from sim.controller import CLOSED, along, follow, hold, part
 from sim.hand import approach_time
 from sim.motion import Obstacle, Transit, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
@@ -38,6 +39,11 @@ def plan(
     obstacles: Sequence[Obstacle],
     lift: float,
 ) -> tuple[Reach, Transit]:
+    """Joint angles for the whole grasp and a free way to its pre-grasp.
+
+    Raises:
+        HaltedError: "unreachable" or "path".
+    """
     motion.note(phase="plan")
     start = motion.commanded
     options: tuple[Reach, ...] | Unreachable = Unreachable(0.0, "grasp")
@@ -49,7 +55,7 @@ def plan(
     if isinstance(options, Unreachable):
         motion.note(reachable=False, ik_residual=options.residual)
         raise HaltedError("unreachable")
-    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin)]
+    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin), target_zone(grasp)]
     for reach in options:
         transit = plan_transit(start, reach.pregrasp, boxes)
         if transit is not None:
@@ -58,11 +64,18 @@ def plan(
     raise HaltedError("path")
 
 
-def arrive(motion: MotionRun, grasp: Grasp, transit: Transit) -> None:
+def target_zone(grasp: Grasp) -> Obstacle:
+    """A slim column around the grasp that the free way keeps out of, even if the caller names no obstacle there."""
+    x, y, z = grasp.position
+    half = max(0.02, grasp.aperture / 2 - 0.01)
+    top = max(z + 0.02, 0.03)
+    return Obstacle((x, y, top / 2), grasp.yaw, (half, half, top / 2))
+
+
+def arrive(motion: MotionRun, grasp: Grasp, transit: Transit, force_limit: float) -> None:
     """Free motion to the pre-grasp while the hand opens as far as commanded."""
     motion.world.set_grip_force(OPENING_FORCE)
-    before = motion.commanded
-    motion.run(follow(transit.samples(motion.world.model.opt.timestep), grasp.aperture, before), "transit")
+    motion.run_guarded(transit.samples(TIMESTEP), grasp.aperture, "transit", force_limit)
     opened = abs(motion.aperture - grasp.aperture)
     if opened > NOTHING:
         motion.run(hold(motion.commanded, grasp.aperture, opened / 0.1 + 0.05), "transit")
@@ -71,31 +84,13 @@ def arrive(motion: MotionRun, grasp: Grasp, transit: Transit) -> None:
 def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float) -> None:
     """Straight approach with the force reflex; on contact the arm stops, backs off, and the motion ends."""
     seconds = approach_time(grasp.standoff, grasp.speed)
-    joints = along(reach.approach, seconds)
-    try:
-        gone = motion.run(follow(joints, grasp.aperture, reach.pregrasp), "approach", motion.force_check(force_limit))
-    except HaltedError as halted:
-        if halted.cause == "force":
-            back_off(motion, joints, grasp.aperture)
-        raise
+    gone = motion.run_guarded(along(reach.approach, seconds), grasp.aperture, "approach", force_limit, back=seconds)
     rest = motion.run(hold(reach.joints, grasp.aperture, 0.04), "approach")
     rows = np.concatenate([gone.sensordata, rest.sensordata])
     motion.note(
         approach_force=largest_force(motion.wrist.force(rows)),
         aperture_start=float(motion.reading("robot/opening", rest)[-1, 0]),
     )
-
-
-def back_off(motion: MotionRun, joints: Array, opening: float) -> None:
-    """Runs the approach backwards from where it was stopped, without the reflex."""
-    nearest = int(np.abs(joints - motion.joints).sum(axis=1).argmin())
-    way = joints[: nearest + 1][::-1]
-    if len(way) < 2:
-        return
-    path = way[np.linspace(0, len(way) - 1, 12).astype(int)]
-    force = motion.fields["abort_force"]
-    motion.run(follow(along(path, max(0.3, len(way) * 0.002)), opening, motion.commanded), "retreat")
-    motion.note(approach_force=max(force, motion.fields.get("approach_force", 0.0)))
 
 
 def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
@@ -126,10 +121,7 @@ def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
 def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach, lift: float) -> bool:
     """Lifts a little, weighs, and lifts the rest; False if the hand closed on nothing and there is nothing to lift."""
     share = min(1.0, TEST_LIFT / lift)
-    dense = along_evenly(reach.lift, 1.0)
-    count = len(dense)
-    low = max(2, round(share * count))
-    first, rest = dense[np.linspace(0, low - 1, 8).astype(int)], dense[np.linspace(low - 1, count - 1, 16).astype(int)]
+    first, rest = part(reach.lift, 0.0, share), part(reach.lift, share, 1.0)
     base_z = float(motion.world.read("robot/tcp_position")[2])
     motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), CLOSED, reach.joints), "lift")
     weighed = motion.run(hold(first[-1], CLOSED, 0.1), "lift")

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.sensing import Phase, Sensing
-from sim.controller import GRIP_COLUMN, hold
+from sim.build_model import TIMESTEP
+from sim.controller import GRIP_COLUMN, along, follow, hold, steps
 from sim.kinematics import tcp_poses
 from sim.recording import Recording
 from sim.stop import StopSwitch
@@ -28,6 +29,10 @@ TIME_LIMIT = 60.0
 """Simulated time after which a motion is given up [s] (benchmark: 60 s per attempt)."""
 HALT_S = 0.1
 """Simulated time in which a halted arm comes to rest [s]."""
+LAG_LIMIT = 0.02
+"""Lag of a joint behind its command that means a collision [rad]; free motions stay below 0.006."""
+BACK_OFF_S = 0.5
+"""How far back in its path a stopped free motion withdraws [s]."""
 LOAD_WINDOW = 50
 """Steps of the 0.1-s mean of the carried mass."""
 NOTHING = 1e-3
@@ -116,11 +121,43 @@ class MotionRun:
         here = self.world.read("robot/joint_position")
         self.world.run(hold(here, self.grip, HALT_S), phase)
 
+    def run_guarded(
+        self, joints: Array, opening: float, phase: Phase, limit: float, *, back: float = BACK_OFF_S
+    ) -> Recording:
+        """Follows joint samples (T, 7) with the force reflex: on contact the arm stops and withdraws along its path.
+
+        Args:
+            joints: Joint angles per time step, beginning next to the commanded ones.
+            opening: Commanded opening [m].
+            phase: Name of the phase.
+            limit: Wrist force of the reflex [N].
+            back: How far back in the path it withdraws [s].
+
+        Raises:
+            HaltedError: as `run`; after "force" the arm has withdrawn.
+        """
+        before = self.commanded
+        try:
+            return self.run(follow(joints, opening, before), phase, self.force_check(limit))
+        except HaltedError as halted:
+            if halted.cause == "force":
+                nearest = int(np.abs(joints - self.joints).sum(axis=1).argmin())
+                way = joints[max(0, nearest - steps(back)) : nearest + 1][::-1]
+                if len(way) > 2:
+                    path = way[np.linspace(0, len(way) - 1, 12).astype(int)]
+                    self.run(follow(along(path, max(0.3, len(way) * TIMESTEP)), opening, self.commanded), "retreat")
+                self.note(phase=phase, approach_force=self.fields["abort_force"])
+            raise
+
     # Readings ---------------------------------------------------------------------------------------------------
 
     def force_check(self, limit: float) -> Check:
-        """A check that ends the motion when the external wrist force, a 10-ms mean, exceeds `limit` [N]."""
-        sensed, wrist = self.world.data.sensordata, self.wrist
+        """A check that ends the motion when the external wrist force, a 10-ms mean, exceeds `limit` [N].
+
+        A link that hits something is not felt at the wrist, but a joint then lags behind its command.
+        """
+        sensed, wrist, commands = self.world.data.sensordata, self.wrist, self.world.data.ctrl
+        encoders = self.world.index.sensors["robot/joint_position"]
         recent = np.zeros((3, 3))
         count = 0
 
@@ -130,7 +167,8 @@ class MotionRun:
             count += 1
             mean = recent.sum(axis=0) / min(count, 3)
             size = float(np.sqrt(mean @ mean))
-            if size <= limit:
+            lag = float(np.abs(commands[0:GRIP_COLUMN:3] - sensed[encoders]).max())
+            if size <= limit and lag <= LAG_LIMIT:
                 return None
             direction = wrist.force_w(sensed[None].copy())[0]
             self.fields["abort_force"] = size

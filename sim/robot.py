@@ -104,7 +104,7 @@ class Robot:
         motion.note(aperture_commanded=grasp.aperture)
         try:
             reach, transit = plan(motion, grasp, joints, obstacles, lift)
-            arrive(motion, grasp, transit)
+            arrive(motion, grasp, transit, force_limit)
             approach(motion, grasp, reach, force_limit)
             close(motion, grasp, reach)
             if lift_up(motion, grasp, reach, lift):
