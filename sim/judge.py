@@ -121,7 +121,7 @@ def _grasp_succeeded(finding: Finding) -> bool:
     """The definition of grasp success."""
     grip, track = finding.grip, finding.grip.track
     before = track.rows("transit", "approach")
-    touched = float(track.robot[before, grip.column].max()) if len(before) else 0.0
+    touched = float(grip.pressed[before].max()) if len(before) else 0.0
     return bool(
         finding.in_hand == grip.thing.id
         and grip.lifted >= LIFT_HEIGHT

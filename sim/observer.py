@@ -35,6 +35,9 @@ MEANT_DISTANCE = 0.10
 SAME_CATEGORY = 0.03
 """Advantage of an object of the perceived category in that comparison [m]."""
 
+ADVANCE = 0.008
+"""How far beyond the stopped tool point the width is looked for [m]: fingertips reach 9 mm beyond it."""
+
 
 class Observer:
     """Records all motions of a world from now on."""
@@ -192,7 +195,8 @@ class Observer:
             hand = grip.track.tool_rotation[row]
             cos, sin = np.cos(angle), np.sin(angle)
             turned = hand @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-            opening = float(grip.track.opening[row])
-            return local_width(model, data, index.geoms, grip.track.tool[row, :3], turned, opening)
+            # Fingertips that came down on top have not yet brought the pads beside the object: look a little further.
+            tool = grip.track.tool[row, :3] + ADVANCE * hand[:, 2]
+            return local_width(model, data, index.geoms, tool, turned, float(grip.track.opening[row]))
 
         return width_at

@@ -178,8 +178,7 @@ def task_conditions(task: Task | None, meant: str | None, trial: Trial) -> dict[
     if grip is None:
         return kept
     if grip.thing.model == "smartphone" and meant == task.target:
-        pressed = max(float(grip.track.pads[:, grip.column].max()), float(grip.track.robot[:, grip.column].max()))
-        kept["not bent"] = pressed < BEND_FORCE
+        kept["not bent"] = float(grip.pressed.max()) < BEND_FORCE
     if task.side_grasp_of == meant:
         kept.update(tool_conditions(grip))
     return kept

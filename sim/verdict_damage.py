@@ -113,7 +113,7 @@ def contact_from(grip: Grip, layout: Layout, track: Track, *, mean: bool = False
     the first row counts.
     """
     pair = track.pair_mean if mean else track.pair
-    series = [(track.robot_mean if mean else track.robot)[:, grip.column]]
+    series = [track.robot_mean[:, grip.column] if mean else grip.pressed]
     names = ["robot"]
     for number, (a, b) in enumerate(layout.pairs):
         if grip.thing.id in (a, b):

@@ -87,7 +87,7 @@ def _arrival(grip: Grip, width_at: WidthAt) -> Iterator[Event]:
     """The hand pressed on the meant object before closing, harder than the abort reflex allows."""
     before = grip.track.rows("transit", "approach")
     limit = abort_limit(grip.thing.damage_force)
-    hard = before[grip.track.robot[before, grip.column] > limit]
+    hard = before[grip.pressed[before] > limit]
     if len(hard):
         row = int(hard[0])
         yield Event(row, _misfit(grip.track, row, width_at), f"pressed {limit:.0f} N on it before closing")

@@ -67,6 +67,12 @@ class Grip:
         return self.track.robot[:, self.column] > TOUCH
 
     @cached_property
+    def pressed(self) -> Array:
+        """Peak force of the robot on it [N], (R,): the strongest contact, or all contacts of one pad together."""
+        pads = self.track.pads[:, self.column].max(axis=1)
+        return np.maximum(self.track.robot[:, self.column], pads).astype(float)
+
+    @cached_property
     def pinched(self) -> NDArray[np.bool_]:
         """Whether both pads touch it, (R,)."""
         return self.track.pads[:, self.column].min(axis=1) > TOUCH
