@@ -21,15 +21,17 @@ from kb.experience import Retrieval
 from kb.grasp import MAX_APERTURE, Grasp
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Correction, Plan
+from sim.motion import Obstacle, plan_transit
 from sim.quality import WIDEST_OBJECT
-from sim.reach import Reach, solve_reach
+from sim.reach import Unreachable, solve_reaches
 from tools.context import ToolContext
 from tools.planning.candidate import Candidate
 from tools.planning.constrain_candidates import Constrained, constrain
-from tools.planning.force_choice import ForceChoice, choose_force
+from tools.planning.force_choice import ForceTerms, force_terms
 from tools.planning.generate_candidates import generate_candidates
 from tools.planning.grasp_prior import GraspPrior, prior_chain
 from tools.planning.literal_plan import literal_candidate
+from tools.planning.obstacles import obstacles
 from tools.planning.rank_candidates import Ranked, estimate
 from tools.planning.remembered import RememberedGrasp
 from tools.planning.search import Posture, Search
@@ -97,6 +99,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     if not switches.geometric_candidates or switches.prior == "default":
         return _literal(args, subject, chain[0], context)
     rejected: dict[str, int] = {}
+    boxes = obstacles(args.percept)
     candidates = _usable(generate_candidates(subject), exclude, rejected)
     pool = constrain(candidates, subject, args.constraints, rejected)
     search = Search(
@@ -106,7 +109,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         avoid=args.retrieval.avoid if args.retrieval and switches.prior == "experience" else (),
         neighbours_w=surroundings(args.percept, subject.id),
         use_clearance=switches.clearance,
-        reach=lambda grasp: _posture(grasp, context),
+        reach=lambda grasp, way: _posture(grasp, context, boxes if way else None),
         rejected=rejected,
     )
     found = _search(search, pool, chain, args)
@@ -151,15 +154,21 @@ def _usable(candidates: list[Candidate], exclude: tuple[str, ...], rejected: dic
     return kept
 
 
-def _posture(grasp: Grasp, context: ToolContext) -> Posture | None:
-    """Joint angles at the grasp, if the whole motion is within reach."""
-    found = solve_reach(grasp, np.asarray(context.robot.joints, float))
-    return tuple(float(q) for q in found.joints) if isinstance(found, Reach) else None
+def _posture(grasp: Grasp, context: ToolContext, boxes: tuple[Obstacle, ...] | None) -> Posture | None:
+    """Joint angles at the grasp, if the whole motion is within reach and, with `boxes`, a free way leads there."""
+    start = np.asarray(context.robot.joints, float)
+    found = solve_reaches(grasp, start, options=1 if boxes is None else 3)
+    if isinstance(found, Unreachable):
+        return None
+    for reach in found:
+        if boxes is None or plan_transit(start, reach.pregrasp, boxes) is not None:
+            return tuple(float(q) for q in reach.joints)
+    return None
 
 
 def _search(
     search: Search, pool: list[Constrained], chain: tuple[GraspPrior, ...], args: PlanArgs
-) -> tuple[Ranked, Posture, GraspPrior, ForceChoice] | None:
+) -> tuple[Ranked, Posture, GraspPrior, ForceTerms] | None:
     """Regions in the order of the priors with full clearance, then any region with less and less of it."""
     margin = args.constraints.adjustment.margin * (args.correction.margin if args.correction else 1.0)
     for prior in chain:
@@ -177,11 +186,11 @@ def _search(
     return None
 
 
-def _force(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior) -> ForceChoice:
+def _force(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior) -> ForceTerms:
     correction = args.correction
     corrected = correction.changes.get("force") if correction else None
     kinds = [f"{item.kind}:{item.target}" for item in args.constraints.active if item.kind == "collision"]
-    return choose_force(
+    return force_terms(
         subject,
         prior,
         scale=args.constraints.adjustment.force_scale,
@@ -192,7 +201,7 @@ def _force(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior) -> Force
 
 
 def _plan(
-    search: Search, ranked: Ranked, posture: Posture, prior: GraspPrior, force: ForceChoice, args: PlanArgs
+    search: Search, ranked: Ranked, posture: Posture, prior: GraspPrior, force: ForceTerms, args: PlanArgs
 ) -> Plan:
     candidate = ranked.item.candidate
     ledger = explain(ranked.item, ranked.grasp, prior, force, args.constraints, args.correction, ranked.clearance)
@@ -223,7 +232,7 @@ def _literal(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior, contex
         opening = min(MAX_APERTURE, float(str(args.correction.changes["aperture"])))
     grasp = shape_grasp(item, subject, prior, force, args.constraints, args.correction, opening=opening)
     quality = estimate(subject, candidate, grasp, 0.02, force.mass, force.friction)
-    posture = _posture(grasp, context)
+    posture = _posture(grasp, context, None)
     ledger = explain(item, grasp, prior, force, args.constraints, args.correction, math.inf)
     plan = Plan(
         grasp=grasp,

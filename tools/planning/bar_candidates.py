@@ -131,7 +131,7 @@ def tool_candidates(subject: PerceivedObject, handle: Part) -> list[Candidate]:
     for share in (0.0, 0.2, -0.2):
         point = np.asarray(handle.centre) + np.asarray(handle.axis) * share * handle.length
         for tilt in (*TOOL_TILTS, 0.0):
-            height = max(handle.centre[2], tip_floor(subject, tilt), palm_floor(subject.top_z, tilt) - 0.01)
+            height = max(handle.centre[2], tip_floor(subject, tilt), palm_floor(subject.top_z, tilt))
             kinds: tuple[GraspType, ...] = ("side",) if tilt else ("power", "pinch")
             for type_ in kinds:
                 found.append(

@@ -62,9 +62,9 @@ def tip_floor(subject: PerceivedObject, tilt: float) -> float:
 
 
 def palm_floor(top: float, tilt: float) -> float:
-    """Lowest height of the tool point at which the palm stays above `top` [m]."""
+    """Lowest height of the tool point at which the palm's lower edge stays above `top` [m]."""
     tilt = abs(tilt)
-    return top + PALM_MARGIN - PALM_DEPTH * math.cos(tilt) + 0.3 * PALM_HALF_WIDTH * math.sin(tilt)
+    return top + PALM_MARGIN - PALM_DEPTH * math.cos(tilt) + PALM_HALF_WIDTH * math.sin(tilt)
 
 
 def top_candidates(subject: PerceivedObject, region: Region) -> list[Candidate]:
@@ -92,7 +92,7 @@ def _closings(subject: PerceivedObject) -> list[tuple[str, float, float, Array, 
         ]
     along = horizontal(subject.yaw)
     # Long things may be taken beside their middle when something stands in the way there.
-    offsets = (0.0, 0.15, -0.15, 0.3, -0.3) if long > 0.09 else (0.0,)
+    offsets = (0.0, 0.08, -0.08, 0.15, -0.15, 0.22, -0.22, 0.3, -0.3) if long > 0.09 else (0.0,)
     found = [(f"across{round(100 * f):+d}", wrap(subject.yaw + math.pi / 2), short, along, f * long) for f in offsets]
     found.append(("along", wrap(subject.yaw), long, along, 0.0))
     return found
@@ -143,7 +143,7 @@ def _top(
         miss=abs(offset) * 0.5 + overhang,
         depth=(height - subject.base_z) / max(subject.size[2], 1e-3),
         merit=-0.35 * min(1.0, abs(tilt) / math.radians(35))
-        - 0.5 * min(1.0, abs(offset) / 0.06)
+        - 1.6 * min(1.5, abs(offset) / 0.05)
         - (0.15 if small == (type_ == "power") else 0.0),
     )
 

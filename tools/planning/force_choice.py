@@ -1,29 +1,38 @@
-"""The grip force: what experience says, within what friction needs and what the object bears."""
+"""The grip force: what experience says, within what friction and leverage need and what the object bears."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+import numpy as np
 
 from kb.grasp import MAX_FORCE, MIN_FORCE, Provenance
 from kb.percept import PerceivedObject
-from sim.quality import maximum_force, minimum_force
+from sim.quality import GRAVITY, maximum_force, minimum_force
+from tools.planning.candidate import Array, Candidate
 from tools.planning.grasp_prior import GraspPrior
 
 DAMAGE_SPREAD = 0.8
 """The weakest specimen breaks at this share of the nominal force (benchmark.md section 1: x U(0.8, 1.25))."""
 CLOSING_PEAK = 0.9
 """Share of the damage force that the commanded force may take: closing peaks overshoot it."""
-EASY_FACTOR = 2.0
-"""Without any experience: this many times the no-slip minimum, within the cap."""
+EASY_FACTOR = 3.5
+"""Without any experience: this many times the no-slip minimum, within the cap (measured on the catalogue)."""
 LEAST_FORCE = 4.0
 """Without any experience the fingers close with at least this force [N], if the object bears it."""
+TWIST_RADIUS = 0.008
+"""Effective radius at which a pad's friction resists turning about the closing axis [m]: pads are 18 x 18 mm."""
+PAD_ARM = 0.012
+"""Arm of the couple with which two pads resist turning in their own plane [m]: two thirds of the pads' length."""
 
 
 @dataclass(frozen=True)
-class ForceChoice:
-    """The chosen force, its bounds and why."""
+class ForceTerms:
+    """What the force follows from; the force itself also depends on the candidate's leverage."""
 
-    force: float
+    base: float
+    """What prior, memory or correction asks for, after constraints [N]."""
     floor: float
     """f_min [N]: 1.5 times what holds the expected mass at the expected friction (ledger G9, G15)."""
     cap: float
@@ -31,64 +40,96 @@ class ForceChoice:
     mass: float
     """Expected mass [kg]."""
     friction: float
-    provenance: tuple[Provenance, ...]
+    centre: tuple[float, float]
+    """Where the weight acts, horizontally [m]."""
+    steps: tuple[Provenance, ...]
+    """Where `base` comes from."""
+
+    def force(self, candidate: Candidate) -> float:
+        """Force per finger for a candidate [N]."""
+        return min(MAX_FORCE, max(MIN_FORCE, min(max(self.base, self.floor, self.tipping(candidate)), self.cap)))
+
+    def tipping(self, candidate: Candidate) -> float:
+        """Force below which the weight, hanging beside the grip, turns the object between the pads [N]."""
+        x, y = candidate.position[0] - self.centre[0], candidate.position[1] - self.centre[1]
+        cosine, sine = math.cos(candidate.yaw), math.sin(candidate.yaw)
+        along, across = abs(x * cosine + y * sine), abs(y * cosine - x * sine)
+        weight = self.mass * GRAVITY
+        return weight * max(across / (2.0 * self.friction * TWIST_RADIUS), along / PAD_ARM)
+
+    def provenance(self, candidate: Candidate) -> tuple[Provenance, ...]:
+        """The steps that led to `force`."""
+        steps, force = list(self.steps), self.base
+        for value, name in ((self.floor, "no-slip floor"), (self.tipping(candidate), "weight beside the grip")):
+            if force < value:
+                force = value
+                steps.append(Provenance(source="geometry", id=name, value=round(value, 2)))
+        if force > self.cap:
+            steps.append(Provenance(source="geometry", id="fragility cap", value=round(self.cap, 2)))
+        return tuple(steps)
 
 
-def choose_force(
+def force_terms(
     subject: PerceivedObject,
     prior: GraspPrior,
     *,
     scale: float,
     scale_reason: str,
-    learnt_mass: float | None = None,
     corrected: float | None = None,
     rule: str = "",
-) -> ForceChoice:
-    """Chooses the force per finger.
+) -> ForceTerms:
+    """Collects what decides about the force per finger.
 
     Args:
         subject: The target: ranges of mass and friction, fragility.
         prior: The suggestion that gives the force, if it gives one.
         scale: Factor of the active constraints (0.8 beside a fragile neighbour).
         scale_reason: Id of those constraints for the provenance.
-        learnt_mass: Mass measured in an earlier attempt [kg].
         corrected: Force demanded by a correction [N]; it replaces prior and scale.
         rule: Name of that correction.
     """
-    mass = learnt_mass or prior.mass or sum(subject.mass) / 2
+    mass = prior.mass or sum(subject.mass) / 2
     friction = sum(subject.friction) / 2
-    floor = min(MAX_FORCE, max(MIN_FORCE, minimum_force(mass, friction)))
     cap = max(MIN_FORCE, CLOSING_PEAK * DAMAGE_SPREAD * maximum_force(subject.affordance.fragility))
     # A fragile object that needs more than it surely bears is held with what it surely bears.
-    floor = min(floor, cap)
+    floor = min(cap, max(MIN_FORCE, minimum_force(mass, friction)))
     steps: list[Provenance] = []
     if corrected is not None:
-        force = corrected
+        base = corrected
         steps.append(Provenance(source="correction", id=rule, value=round(corrected, 2)))
     else:
-        force = prior.force if prior.force is not None else max(EASY_FACTOR * floor, LEAST_FORCE)
         known = prior.force is not None
-        steps.append(
-            Provenance(
-                source=prior.source if known else "default",
-                id=prior.id if known else "twice the no-slip minimum",
-                value=round(force, 2),
-            )
-        )
+        base = prior.force if prior.force is not None else max(EASY_FACTOR * floor, LEAST_FORCE)
+        name = prior.id if known else f"{EASY_FACTOR:g} times the no-slip minimum"
+        steps.append(Provenance(source=prior.source if known else "default", id=name, value=round(base, 2)))
         if scale != 1.0:
-            force *= scale
+            base *= scale
             steps.append(Provenance(source="constraint", id=scale_reason, value=f"x {scale:g}"))
-    if force < floor:
-        force = floor
-        steps.append(Provenance(source="geometry", id="no-slip floor", value=round(floor, 2)))
-    if force > cap:
-        force = cap
-        steps.append(Provenance(source="geometry", id="fragility cap", value=round(cap, 2)))
-    return ForceChoice(
-        force=min(MAX_FORCE, max(MIN_FORCE, force)),
+    return ForceTerms(
+        base=base,
         floor=floor,
         cap=cap,
         mass=mass,
         friction=friction,
-        provenance=tuple(steps),
+        centre=weight_centre(subject),
+        steps=tuple(steps),
     )
+
+
+def weight_centre(subject: PerceivedObject) -> tuple[float, float]:
+    """Where the weight acts, horizontally [m]: the vessel's axis, else the middle of what was seen.
+
+    Handles weigh little, so that a cup's box, which contains its handle, would mislead. Long bent things (a banana) have
+    their weight where their points are.
+    """
+    for part in subject.parts:
+        if part.region == "rim" and part.radius is not None:
+            return part.centre[0], part.centre[1]
+    body = subject.part("body")
+    if body is not None and body.radius is not None:
+        return body.centre[0], body.centre[1]
+    points_w: Array = subject.surface_points()
+    if subject.shape == "bar" and len(points_w) > 20:
+        middle = np.median(points_w, axis=0)
+        return float(middle[0]), float(middle[1])
+    return subject.position[0], subject.position[1]

@@ -16,7 +16,7 @@ from kb.sensing import Correction
 from sim.hand import swept_clearance, swept_distances
 from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
-from tools.planning.force_choice import ForceChoice
+from tools.planning.force_choice import ForceTerms
 from tools.planning.grasp_prior import GraspPrior
 from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
 from tools.planning.shape_grasp import narrow_opening, shape_grasp
@@ -48,13 +48,14 @@ class Search:
     neighbours_w: Array
     """Points of everything else, shape (N, 3) [m]."""
     use_clearance: bool
-    reach: Callable[[Grasp], Posture | None]
+    reach: Callable[[Grasp, bool], Posture | None]
+    """Joint angles for a grasp, or None; the flag asks for a free way to it as well."""
     rejected: dict[str, int] = field(default_factory=dict)
     alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list)
     unreachable: set[str] = field(default_factory=set)
 
     def best(
-        self, pool: list[Constrained], prior: GraspPrior, force: ForceChoice, required: float
+        self, pool: list[Constrained], prior: GraspPrior, force: ForceTerms, required: float
     ) -> tuple[Ranked, Posture] | None:
         """The best feasible candidate of `pool`, or None; reasons of the others are counted.
 
@@ -83,7 +84,7 @@ class Search:
                     heapq.heappush(heap, (-known.score, name, True, known))
                 continue
             postures += 1
-            posture = self.reach(ranked.grasp)
+            posture = self.reach(ranked.grasp, not found)
             if posture is None:
                 self.unreachable.add(name)
                 self._reject("out of the arm's reach")
@@ -96,7 +97,7 @@ class Search:
         self,
         item: Constrained,
         prior: GraspPrior,
-        force: ForceChoice,
+        force: ForceTerms,
         clearance: float,
         opening: float | None,
         narrow_exists: bool,
@@ -108,7 +109,7 @@ class Search:
             score -= WIDE_MALUS
         return Ranked(item=item, grasp=grasp, quality=quality, score=score, clearance=clearance)
 
-    def _measured(self, ranked: Ranked, prior: GraspPrior, force: ForceChoice, narrow_exists: bool) -> Ranked | None:
+    def _measured(self, ranked: Ranked, prior: GraspPrior, force: ForceTerms, narrow_exists: bool) -> Ranked | None:
         """The candidate with its true clearance, with a narrower opening where that helps; None if it hits itself."""
         item = ranked.item
         own = swept_distances(ranked.grasp, self.subject.surface_points(), lift=0.0)

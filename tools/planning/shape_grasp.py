@@ -11,7 +11,7 @@ from kb.sensing import Correction
 from tools.planning.body_candidates import tip_floor
 from tools.planning.candidate import Candidate, vec3
 from tools.planning.constrain_candidates import Constrained
-from tools.planning.force_choice import ForceChoice
+from tools.planning.force_choice import ForceTerms
 from tools.planning.grasp_prior import GraspPrior
 from tools.planning.provenance import Ledger
 
@@ -36,7 +36,7 @@ def shape_grasp(
     item: Constrained,
     subject: PerceivedObject,
     prior: GraspPrior,
-    force: ForceChoice,
+    force: ForceTerms,
     constraints: Constraints,
     correction: Correction | None,
     *,
@@ -66,7 +66,7 @@ def shape_grasp(
         approach=candidate.approach,
         yaw=candidate.yaw,
         aperture=aperture,
-        force=force.force,
+        force=force.force(candidate),
         type=candidate.type,
         standoff=chosen_standoff(prior, constraints, correction),
         speed=chosen_speed(prior, constraints, correction),
@@ -93,7 +93,7 @@ def explain(
     item: Constrained,
     grasp: Grasp,
     prior: GraspPrior,
-    force: ForceChoice,
+    force: ForceTerms,
     constraints: Constraints,
     correction: Correction | None,
     clearance: float,
@@ -119,7 +119,7 @@ def explain(
     if correction and "aperture" in correction.changes:
         ledger.add("aperture", "correction", rule, float(str(correction.changes["aperture"])))
     ledger.add("aperture", "geometry", f"local width {1000 * candidate.width:.0f} mm", grasp.aperture)
-    ledger.extend("force", force.provenance)
+    ledger.extend("force", force.provenance(candidate))
     if correction and correction.changes.get("type") == candidate.type:
         ledger.add("type", "correction", rule, candidate.type)
     elif prior.type == candidate.type:
