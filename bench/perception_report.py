@@ -1,0 +1,290 @@
+"""Measure perception on random scenes: `python -m bench.perception_report`.
+
+200 scenes of 1-5 objects, 30 % of them shapes outside the catalogue, in four arrangements (separate, touching, stacked,
+filled). What the pixel pipeline reports is compared with the simulator's truth. Tuning used seeds 10000-18999 only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.percept import PerceivedObject, Percept
+from kb.shape_colour import ShapeColourEmbedder
+from kb.vocabulary import UNKNOWN_CATEGORY
+from sim.placed import PlacedScene
+from sim.tasks.random_scene import ARRANGEMENTS, random_scene
+from sim.world import World
+from tools.oracle_perception import OraclePerceiver
+from tools.perceive import PerceiveArgs
+from tools.perception.rgbd_perceiver import RgbdPerceiver
+
+log = logging.getLogger(__name__)
+
+FIRST, COUNT = 19000, 200
+"""Acceptance seeds, and how many of them."""
+
+REGIONS = ("rim", "handle", "stem", "neck")
+"""Parts whose local width is measured."""
+
+TARGETS: dict[str, tuple[str, float]] = {
+    "recall_separate": (">=", 0.97),
+    "recall_touching_stacked": (">=", 0.85),
+    "precision": (">=", 0.97),
+    "category_accuracy": (">=", 0.93),
+    "unknown_auroc": (">=", 0.85),
+    "state_accuracy": (">=", 0.95),
+    "position_median_mm": ("<=", 2.0),
+    "position_p95_mm": ("<=", 6.0),
+    "size_median_percent": ("<=", 4.0),
+    "width_within_5mm": (">=", 0.95),
+    "seconds_per_look": ("<=", 0.25),
+}
+"""What the project promises."""
+
+
+@dataclass
+class SceneResult:
+    """One scene's comparison, as plain rows."""
+
+    seed: int
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    """One per true object."""
+    false_objects: list[dict[str, Any]] = field(default_factory=list)
+    """Reported objects that match nothing."""
+    seconds: float = 0.0
+
+
+def draw(seed: int) -> tuple[PlacedScene, World, np.random.Generator]:
+    """The random scene of a seed; arrangements take turns."""
+    rng = np.random.default_rng(seed)
+    scene = random_scene(rng, arrangement=ARRANGEMENTS[seed % len(ARRANGEMENTS)], free_colours=False)
+    return scene, World(scene, settle=False), rng
+
+
+def run_scene(seed: int) -> SceneResult:
+    """Looks once at the scene of `seed` with both perceivers and compares."""
+    scene, world, rng = draw(seed)
+    views = world.capture(rng)
+    perceiver = RgbdPerceiver(ShapeColourEmbedder())
+    start = time.perf_counter()
+    seen = perceiver.perceive(views, PerceiveArgs())
+    seconds = time.perf_counter() - start
+    truth = true_percepts(world, views)
+    return compare(seed, scene, seen, truth, seconds)
+
+
+def true_percepts(world: World, views: tuple[Any, ...]) -> dict[str, PerceivedObject]:
+    """Oracle percept of each scene id."""
+    percept = OraclePerceiver(world).perceive(views, PerceiveArgs())
+    found: dict[str, PerceivedObject] = {}
+    for thing in world.placed.objects:
+        where = np.array(world.data.body(thing.id).xpos)
+        near = [obj for obj in percept.objects if obj.id not in {o.id for o in found.values()}]
+        if not thing.fixed:
+            found[thing.id] = min(near, key=lambda obj: _off_foot(obj, where))
+    return found
+
+
+def _off_foot(obj: PerceivedObject, where: NDArray[np.float64]) -> float:
+    """Distance of the object's foot from a body's origin, which is the centre of its footprint."""
+    return float(np.linalg.norm(np.array([obj.position[0], obj.position[1], obj.base_z]) - where))
+
+
+def compare(
+    seed: int, scene: PlacedScene, seen: Percept, truth: dict[str, PerceivedObject], seconds: float
+) -> SceneResult:
+    """Matches reported to true objects, nearest first, and notes every error."""
+    result = SceneResult(seed, seconds=seconds)
+    pairs = sorted(
+        (float(np.linalg.norm(np.subtract(obj.position, true.position))), name, obj.id)
+        for name, true in truth.items()
+        for obj in seen.objects
+        if np.linalg.norm(np.subtract(obj.position, true.position)) < max(0.02, 0.3 * max(true.size))
+    )
+    match: dict[str, str] = {}
+    for _, name, obj_id in pairs:
+        if name not in match and obj_id not in match.values():
+            match[name] = obj_id
+    how = scene.name.removeprefix("random_")
+    for index, thing in enumerate(scene.objects):
+        true = truth[thing.id]
+        obj = seen.object(match[thing.id]) if thing.id in match else None
+        together = how in ("touching", "stacked") and index < 2
+        row: dict[str, Any] = {
+            "seed": seed,
+            "how": how if together or (how == "filled" and index == 0) else "separate",
+            "under": how == "stacked" and index == 0,
+            "model": thing.model,
+            "category": thing.category,
+            "found": obj is not None,
+            "visible": true.visible_fraction,
+            "state": true.state,
+        }
+        if obj is not None:
+            row.update(_errors(obj, true))
+        result.rows.append(row)
+    result.false_objects = [
+        {"seed": seed, "how": how, "category": obj.category, "position": obj.position, "size": obj.size}
+        for obj in seen.objects
+        if obj.id not in match.values()
+    ]
+    return result
+
+
+def _errors(obj: PerceivedObject, true: PerceivedObject) -> dict[str, Any]:
+    """What is wrong with one report."""
+    widths: dict[str, float | None] = {}
+    for region in REGIONS:
+        real = true.part(region)  # type: ignore[arg-type]
+        if real is not None:
+            seen = obj.part(region)  # type: ignore[arg-type]
+            widths[region] = None if seen is None else abs(seen.width - real.width) * 1e3
+    size = np.abs(np.subtract(obj.size, true.size)) / np.asarray(true.size)
+    turn = abs((obj.yaw - true.yaw + np.pi / 2) % np.pi - np.pi / 2)
+    return {
+        "reported": obj.category,
+        "confidence": obj.confidence,
+        "unknown": obj.posterior.get(UNKNOWN_CATEGORY, 0.0),
+        "position_mm": float(np.linalg.norm(np.subtract(obj.position, true.position)) * 1e3),
+        "size_percent": float(size.mean() * 100),
+        "size_mm": [float(v) for v in np.subtract(obj.size, true.size) * 1e3],
+        "yaw_deg": float(np.rad2deg(turn)) if true.size[0] > 1.3 * true.size[1] else None,
+        "reported_state": obj.state,
+        "widths_mm": widths,
+        "visible_error": abs(obj.visible_fraction - true.visible_fraction),
+    }
+
+
+def summarise(results: list[SceneResult]) -> dict[str, Any]:
+    """All numbers of the report."""
+    rows = [row for result in results for row in result.rows]
+    found = [row for row in rows if row["found"]]
+    false = sum(len(result.false_objects) for result in results)
+    close = [row for row in rows if row["how"] in ("touching", "stacked")]
+    apart = [row for row in rows if row["how"] not in ("touching", "stacked")]
+    open_known = [row for row in found if row["category"] != UNKNOWN_CATEGORY and row["visible"] > 0.97]
+    open_known = [row for row in open_known if not row["under"]]
+    widths = [w for row in found for w in row["widths_mm"].values()]
+    positions = [row["position_mm"] for row in found]
+    return {
+        "scenes": len(results),
+        "objects": len(rows),
+        "recall_separate": _share(row["found"] for row in apart),
+        "recall_touching": _share(row["found"] for row in close if row["how"] == "touching"),
+        "recall_stacked_top": _share(row["found"] for row in close if row["how"] == "stacked" and not row["under"]),
+        "recall_stacked_base": _share(row["found"] for row in close if row["under"]),
+        "recall_touching_stacked": _share(row["found"] for row in close),
+        "precision": len(found) / max(len(found) + false, 1),
+        "category_accuracy": _share(row["reported"] == row["category"] for row in open_known),
+        "category_objects": len(open_known),
+        "unknown_auroc": auroc(
+            [row["unknown"] for row in found if row["category"] == UNKNOWN_CATEGORY],
+            [row["unknown"] for row in found if row["category"] != UNKNOWN_CATEGORY],
+        ),
+        "known_called_unknown": _share(row["reported"] == UNKNOWN_CATEGORY for row in open_known),
+        "unknown_called_unknown": _share(
+            row["reported"] == UNKNOWN_CATEGORY for row in found if row["category"] == UNKNOWN_CATEGORY
+        ),
+        "state_accuracy": _share(
+            row["reported_state"] == row["state"]
+            for row in found
+            if row["state"] != "empty"
+            or row["category"] in ("cup", "mug", "bowl", "wine_glass")
+            or row["how"] == "stacked"
+        ),
+        "state_accuracy_all": _share(row["reported_state"] == row["state"] for row in found),
+        "position_median_mm": float(np.median(positions)),
+        "position_p95_mm": float(np.quantile(positions, 0.95)),
+        "size_median_percent": float(np.median([row["size_percent"] for row in found])),
+        "size_p95_percent": float(np.quantile([row["size_percent"] for row in found], 0.95)),
+        "yaw_median_deg": float(np.median([row["yaw_deg"] for row in found if row["yaw_deg"] is not None] or [0.0])),
+        "width_within_5mm": _share(w is not None and w <= 5.0 for w in widths),
+        "width_parts": len(widths),
+        "width_median_mm": {
+            region: float(np.median([row["widths_mm"][region] for row in found if row["widths_mm"].get(region)] or [0]))
+            for region in REGIONS
+        },
+        "part_found": {
+            region: _share(row["widths_mm"][region] is not None for row in found if region in row["widths_mm"])
+            for region in REGIONS
+        },
+        "expected_calibration_error": calibration_error(
+            [row["confidence"] for row in open_known], [row["reported"] == row["category"] for row in open_known]
+        ),
+        "visible_error_median": float(np.median([row["visible_error"] for row in found])),
+        "seconds_per_look": float(np.median([result.seconds for result in results])),
+    }
+
+
+def _share(values: Any) -> float:
+    listed = [bool(value) for value in values]
+    return sum(listed) / len(listed) if listed else float("nan")
+
+
+def auroc(positive: list[float], negative: list[float]) -> float:
+    """Probability that a positive scores above a negative (ties count half)."""
+    if not positive or not negative:
+        return float("nan")
+    a, b = np.asarray(positive)[:, None], np.asarray(negative)[None]
+    return float(np.mean((a > b) + 0.5 * (a == b)))
+
+
+def calibration_error(confidence: list[float], right: list[bool], bins: int = 10) -> float:
+    """Expected calibration error of stated confidences."""
+    c, r = np.asarray(confidence), np.asarray(right, float)
+    place = np.clip((c * bins).astype(int), 0, bins - 1)
+    return float(sum(abs(c[place == k].mean() - r[place == k].mean()) * (place == k).mean() for k in np.unique(place)))
+
+
+def markdown(summary: dict[str, Any], first: int) -> str:
+    """The report as a table."""
+    lines = [
+        f"{summary['scenes']} random scenes (seeds {first}-{first + summary['scenes'] - 1}), {summary['objects']} objects.",
+        "",
+        "| measure | value | target |",
+        "|---|---|---|",
+    ]
+    for key, value in summary.items():
+        if isinstance(value, dict):
+            value = ", ".join(f"{name} {number:.2f}" for name, number in value.items())
+        elif isinstance(value, float):
+            value = f"{value:.3f}"
+        target = " ".join(str(part) for part in TARGETS.get(key, ("", "")))
+        lines.append(f"| {key.replace('_', ' ')} | {value} | {target} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Runs the scenes and writes the table and every row."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--first", type=int, default=FIRST, help="first seed")
+    parser.add_argument("--count", type=int, default=COUNT, help="number of scenes")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", type=Path, default=Path("results/perception"))
+    options = parser.parse_args()
+    seeds = range(options.first, options.first + options.count)
+    with ProcessPoolExecutor(options.jobs) as pool:
+        results = list(pool.map(run_scene, seeds, chunksize=4))
+    summary = summarise(results)
+    options.out.mkdir(parents=True, exist_ok=True)
+    rows = [row for result in results for row in (*result.rows, *({"false": f} for f in result.false_objects))]
+    (options.out / "rows.json").write_text(json.dumps(rows, indent=0), encoding="utf-8")
+    (options.out / "summary.json").write_text(json.dumps(summary, indent=1), encoding="utf-8")
+    table = markdown(summary, options.first)
+    (options.out / "summary.md").write_text(table, encoding="utf-8")
+    log.info("%s", table)
+
+
+if __name__ == "__main__":
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    main()

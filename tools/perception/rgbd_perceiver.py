@@ -1,0 +1,157 @@
+"""The default perceiver: from two noisy RGB-D pictures to a percept, by geometry and reference statistics.
+
+It knows the cameras' calibration, the table's size and what categories look like; never the scene's truth.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.base import Vec3
+from kb.percept import PerceivedObject, Percept, Shape, pack_surface
+from kb.priors import density, prior
+from kb.references import References, load_references
+from kb.rgbd import RgbdView
+from kb.vocabulary import UNKNOWN_CATEGORY, PerceptionName
+from tools.perceive import PerceiveArgs
+from tools.perception.affordance_of_unknown import affordance_of_unknown
+from tools.perception.colour import colour_name, mean_colour
+from tools.perception.look import Look, take_apart
+from tools.perception.measure import CLEAR_LOSS, Blob, Measured
+from tools.perception.merge import Candidate, Merger
+from tools.perception.parts import find_parts
+from tools.perception.state import state_of
+from tools.perception.track_ids import track_ids
+from tools.perception.visibility import visible_fraction
+
+GHOST_POINTS, GHOST_HEIGHT = 120, 0.012
+"""A flat blob lower than the second [m] with fewer points than the first that one view alone sees is edge noise."""
+
+FLOATING = 0.06
+"""What has nothing under it within this distance is not on the table [m]: the hand, or what it holds."""
+
+FEWEST_EMBEDDED = 60
+"""Pixels of the front view that an embedding needs; with fewer the top view serves."""
+
+SOLIDITY = 0.8
+"""Share of hull area times height that an unknown object is taken to fill, for its mass."""
+
+
+class Embeds(Protocol):
+    """The embedder's one method."""
+
+    def embed(
+        self, rgb: NDArray[np.uint8], mask: NDArray[np.bool_], depth: NDArray[np.float32] | None = None
+    ) -> NDArray[Any]: ...
+
+
+class RgbdPerceiver:
+    """Perceives objects from the front and the top picture."""
+
+    name: PerceptionName = "rgbd"
+
+    def __init__(self, embedder: Embeds | None = None, references: References | None = None) -> None:
+        self._embedder = embedder
+        self._references = load_references() if references is None else references
+
+    def perceive(self, views: tuple[RgbdView, ...], args: PerceiveArgs) -> Percept:
+        """All objects on the table.
+
+        Raises:
+            BadInputError: if the front or the top view is missing.
+        """
+        look = take_apart(views)
+        found = [item for item in Merger(look, self._references, args.nouns).objects() if _is_real(item)]
+        objects = [self._describe(item, look) for item in found]
+        return Percept(look=args.look, perception="rgbd", objects=track_ids(objects, args.previous))
+
+    def _describe(self, item: Candidate, look: Look) -> PerceivedObject:
+        measured, judgement = item.measured, item.judgement
+        parts = find_parts(measured)
+        transparent = measured.lost > CLEAR_LOSS
+        unknown = judgement.category == UNKNOWN_CATEGORY
+        expected = prior(judgement.category)
+        position = _vec(measured.box.centre)
+        colour = mean_colour((measured.blob.rgb * 255).astype(np.uint8))
+        front = next(view for view in look.views if view.name == "front")
+        return PerceivedObject(
+            id="obj_0",
+            category=judgement.category,
+            confidence=judgement.confidence,
+            posterior=judgement.posterior,
+            position=position,
+            yaw=float(measured.box.yaw),
+            size=_vec(measured.box.size),
+            shape=shape_of(measured),
+            affordance=affordance_of_unknown(measured, parts, transparent=transparent)
+            if unknown
+            else expected.affordance,
+            state=state_of(measured, parts, stands_on_object=item.under is not None, contents_seen=bool(item.contents)),
+            transparent=transparent,
+            colour=colour,
+            colour_name=colour_name(colour),
+            mass=_mass_of_unknown(measured) if unknown else expected.mass,
+            friction=expected.friction,
+            parts=parts,
+            visible_fraction=visible_fraction(measured, front),
+            embedding=self._embed(measured.blob, look),
+            surface=pack_surface(measured.blob.xyz, position),
+        )
+
+    def _embed(self, blob: Blob, look: Look) -> tuple[float, ...]:
+        """Embedding of the masked crop, from the front view if enough of the object is seen there."""
+        if self._embedder is None:
+            return ()
+        seen_in_front = int((~blob.from_top).sum()) >= FEWEST_EMBEDDED
+        view = next(view for view in look.views if view.name == ("front" if seen_in_front else "top"))
+        pixels = blob.pixel[~blob.from_top if seen_in_front else blob.from_top]
+        mask = np.zeros(view.depth.size, bool)
+        mask[pixels] = True
+        mask = mask.reshape(view.depth.shape)
+        rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
+        crop = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        vector = self._embedder.embed(view.rgb[crop], mask[crop], view.depth[crop])
+        return tuple(float(value) for value in vector)
+
+
+def _is_real(item: Candidate) -> bool:
+    """Neither a ghost of edge noise nor something in the air."""
+    m = item.measured
+    share = float(m.blob.from_top.mean())
+    one_view = share < 0.04 or share > 0.96
+    if one_view and m.top - m.base < GHOST_HEIGHT and len(m.blob.xyz) < GHOST_POINTS:
+        return False
+    lowest = float(np.quantile(m.blob.xyz[:, 2], 0.02))
+    return lowest - m.base < FLOATING + 0.5 * m.radius
+
+
+def shape_of(m: Measured) -> Shape:
+    """Coarse geometric family."""
+    longer, shorter, height = m.box.size
+    if m.is_ball:
+        return "sphere"
+    if m.is_round:
+        if m.hollow > 0 and height < 0.8 * 2 * m.radius:
+            return "bowl"
+        radii = m.profile[np.isfinite(m.profile)]
+        straight = len(radii) > 0 and float(np.min(radii)) > 0.85 * m.radius
+        return "cylinder" if straight and m.hollow <= 0 and m.outline.bulge < 0.15 * m.radius else "compound"
+    if height < 0.25 * shorter and height < 0.03:
+        return "plate"
+    if longer > 2.5 * shorter and height < 0.5 * longer:
+        return "bar"
+    return "box" if m.outline.hull_area > 0.9 * longer * shorter else "compound"
+
+
+def _mass_of_unknown(m: Measured) -> tuple[float, float]:
+    """Mass range [kg] from the volume and the density of things of unknown material."""
+    volume = m.outline.hull_area * (m.top - m.base) * SOLIDITY * (0.35 if m.hollow > 0 else 1.0)
+    low, high = density("mixed")
+    return float(max(low * volume, 0.003)), float(max(high * volume, 0.01))
+
+
+def _vec(values: NDArray[np.float64]) -> Vec3:
+    return (float(values[0]), float(values[1]), float(values[2]))
