@@ -1,6 +1,6 @@
 """The robot as a cloud of spheres, for fast clearance of many configurations at once.
 
-Links are covered by spheres along their collision capsules; the hand by points on its boxes with a small radius.
+Links are covered by spheres along their collision capsules, the hand by spheres along its palm and fingers.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ Array = NDArray[np.float64]
 
 HAND_LINK = 7
 """Index of the hand in `link_poses`."""
-POINT_SPACING = 0.03
-"""Largest gap between points on the hand's faces [m]."""
-POINT_RADIUS = 0.006
-"""Radius of the hand's points [m]: half a pad's thickness, so that nothing slips between them unnoticed."""
+PALM_ROWS = ((-0.003, 0.032), (0.043, 0.026))
+"""Height in the hand frame and radius of the two rows of spheres that cover the palm's boxes [m]; the boxes' edges stick
+out by at most 7 mm, less than the margin that free motions keep."""
+FINGER_RADIUS = 0.012
+"""Radius of the fingers' spheres [m]."""
 
 
 def _link_spheres() -> tuple[Array, NDArray[np.int64], Array]:
@@ -36,29 +37,27 @@ def _link_spheres() -> tuple[Array, NDArray[np.int64], Array]:
     return np.array(centres), np.array(owners), np.array(radii)
 
 
-def _hand_points(aperture: float = 0.08) -> Array:
-    """Points on the faces of the hand's boxes in the hand frame (P, 3)."""
-    points = []
-    boxes = [(np.array(c), np.array(h)) for c, h in PALM_BOXES]
+def _hand_spheres(aperture: float = 0.08) -> tuple[Array, Array]:
+    """Centres (P, 3) in the hand frame and radii (P,) of spheres that cover palm and fingers at an opening [m]."""
+    half_length = PALM_BOXES[0][1][1]
+    centres: list[tuple[float, float, float]] = []
+    radii: list[float] = []
+    for height, radius in PALM_ROWS:
+        for y in np.linspace(-1.0, 1.0, 6) * (half_length - 0.75 * radius):
+            centres.append((0.0, float(y), height))
+            radii.append(radius)
     for sign in (1.0, -1.0):
-        for centre, half in FINGER_BOXES:
-            boxes.append(
-                (np.array([centre[0], sign * (centre[1] + aperture / 2), centre[2] + FINGER_OFFSET]), np.array(half))
-            )
-    for centre, half in boxes:
-        inner = half - POINT_RADIUS * 0.5
-        counts = np.maximum(2, np.ceil(2 * half / POINT_SPACING).astype(int) + 1)
-        grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, n) for n in counts], indexing="ij"), -1).reshape(-1, 3)
-        surface = grid[(np.abs(grid) > 0.999).any(axis=1)]
-        points.append(centre + surface * inner)
-    return np.concatenate(points)
+        for centre, _ in FINGER_BOXES:
+            centres.append((0.0, sign * (centre[1] + aperture / 2), centre[2] + FINGER_OFFSET))
+            radii.append(FINGER_RADIUS)
+    return np.array(centres), np.array(radii)
 
 
 _CENTRES, _OWNERS, _RADII = _link_spheres()
-_POINTS = _hand_points()
-_ALL_CENTRES = np.concatenate([_CENTRES, _POINTS])
-_ALL_OWNERS = np.concatenate([_OWNERS, np.full(len(_POINTS), HAND_LINK)])
-RADII = np.concatenate([_RADII, np.full(len(_POINTS), POINT_RADIUS)])
+_HAND_CENTRES, _HAND_RADII = _hand_spheres()
+_ALL_CENTRES = np.concatenate([_CENTRES, _HAND_CENTRES])
+_ALL_OWNERS = np.concatenate([_OWNERS, np.full(len(_HAND_RADII), HAND_LINK)])
+RADII = np.concatenate([_RADII, _HAND_RADII])
 """Radii of all spheres [m], shape (S,)."""
 DISTAL_FROM = 4
 """Link index from which the arm could meet its own base (link 5 on)."""

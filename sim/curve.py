@@ -9,8 +9,9 @@ from sim.panda import Q_ACCELERATION, Q_VELOCITY
 
 Array = NDArray[np.float64]
 
-VELOCITY_SHARE, ACCELERATION_SHARE = 0.8, 0.5
-"""Shares of the robot's published joint limits that motions use."""
+VELOCITY_SHARE, ACCELERATION_SHARE = 0.9, 0.6
+"""Shares of the robot's published joint limits that free motions use."""
+TIME_SAMPLES = 64
 
 
 def quintic(count: int) -> Array:
@@ -40,13 +41,13 @@ def cubic_spline(knots: Array, values: Array, at: Array) -> Array:
 
 
 def path_time(path: Array) -> float:
-    """Shortest duration [s] of a quintic run along a joint path (K, 7), evenly spaced in the path's own parameter,
-    that keeps to the shares of the joint limits."""
-    slope = np.gradient(path, 1.0 / (len(path) - 1), axis=0) if len(path) > 2 else np.diff(path, axis=0)
-    bend = np.gradient(slope, 1.0 / (len(path) - 1), axis=0) if len(path) > 2 else np.zeros_like(slope)
-    # Quintic: largest rate 15/8 per duration, largest second derivative 5.7735 per duration squared.
-    steepest = np.abs(slope).max(axis=0)
-    by_velocity = float((steepest * 15.0 / 8.0 / (VELOCITY_SHARE * Q_VELOCITY)).max())
-    pull = steepest * 5.7735 + np.abs(bend).max(axis=0) * (15.0 / 8.0) ** 2
-    by_acceleration = float(np.sqrt((pull / (ACCELERATION_SHARE * Q_ACCELERATION)).max()))
+    """Shortest duration [s] of a quintic run along a joint path (K, 7) that keeps to the shares of the joint limits.
+
+    The path's points are evenly spaced in its own parameter; rates are measured on `TIME_SAMPLES` samples of the run.
+    """
+    run = cubic_spline(np.linspace(0.0, 1.0, len(path)), path, np.concatenate([[0.0], quintic(TIME_SAMPLES)]))
+    rate = np.diff(run, axis=0) * TIME_SAMPLES
+    change = np.diff(rate, axis=0) * TIME_SAMPLES
+    by_velocity = float((np.abs(rate).max(axis=0) / (VELOCITY_SHARE * Q_VELOCITY)).max())
+    by_acceleration = float(np.sqrt((np.abs(change).max(axis=0) / (ACCELERATION_SHARE * Q_ACCELERATION)).max()))
     return max(by_velocity, by_acceleration, 0.1)

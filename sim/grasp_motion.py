@@ -11,7 +11,7 @@ from kb.grasp import Grasp
 from sim.build_model import TIMESTEP
 from sim.controller import CLOSED, along, follow, hold, part
 from sim.hand import approach_time
-from sim.motion import Obstacle, Transit, plan_transit
+from sim.motion import Obstacle, Transit, plan_direct, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
 from sim.place_motion import note_hang
 from sim.reach import Reach, Unreachable, reach_from, solve_reaches
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 OPENING_FORCE = 20.0
 """Motor force while the hand opens or stands open [N]."""
+OPTIONS, DETOURS = 5, 3
+"""Arm configurations compared by their direct way, and by detours if no direct way is free."""
 TEST_LIFT = 0.02
 """Height at which the load is weighed [m]."""
 HOLD_S, SHAKE_S = 2.0, 2.0
@@ -51,17 +53,21 @@ def plan(
         wanted = reach_from(grasp, np.asarray(joints), lift=lift)
         options = (wanted,) if isinstance(wanted, Reach) else wanted
     if isinstance(options, Unreachable):
-        options = solve_reaches(grasp, start, lift=lift, options=3)
+        options = solve_reaches(grasp, start, lift=lift, options=OPTIONS)
     if isinstance(options, Unreachable):
         motion.note(reachable=False, ik_residual=options.residual)
         raise HaltedError("unreachable")
     boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin), target_zone(grasp)]
-    for reach in options:
-        transit = plan_transit(start, reach.pregrasp, boxes)
-        if transit is not None:
-            motion.note(ik_residual=reach.residual)
-            return reach, transit
-    raise HaltedError("path")
+    direct = [(reach, plan_direct(start, reach.pregrasp, boxes)) for reach in options]
+    free = [(reach, transit) for reach, transit in direct if transit is not None]
+    if not free:
+        detours = [(reach, plan_transit(start, reach.pregrasp, boxes)) for reach in options[:DETOURS]]
+        free = [(reach, transit) for reach, transit in detours if transit is not None]
+    if not free:
+        raise HaltedError("path")
+    reach, transit = min(free, key=lambda pair: pair[1].duration)
+    motion.note(ik_residual=reach.residual)
+    return reach, transit
 
 
 def target_zone(grasp: Grasp) -> Obstacle:

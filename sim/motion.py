@@ -30,7 +30,9 @@ CARRIED_RADIUS = 0.03
 """Radius given to the points of a held object, whose outline the robot does not feel [m]."""
 CHECKS = 28
 """Checked configurations per path."""
-RAISES = (0.12, 0.22, 0.32)
+QUICK = 2.0
+"""A detour that takes less than this is taken without looking for a quicker one [s]."""
+RAISES = (0.06, 0.12, 0.22, 0.32)
 """Heights of via points above start and goal [m]."""
 
 
@@ -107,15 +109,41 @@ def plan_transit(
         carried: Points of a held object in the hand frame [m], shape (P, 3).
         margin: Distance to keep [m]. Where start or goal are closer than that to an obstacle, the path may be too.
     """
-    ends = clearances(np.stack([start, goal]), obstacles, carried)
-    required = np.minimum(margin, ends.min(axis=0) - SLACK)
+    required = _required(start, goal, obstacles, carried, margin)
+    direct = _free(np.stack([start, goal]), required, obstacles, carried)
+    if direct is not None:
+        return direct
+    best: Transit | None = None
     for vias in _via_points(start, goal):
-        knots = np.stack([start, *vias, goal])
-        path = _spline(knots)
-        distance = clearances(path, obstacles, carried)
-        if (distance >= required).all():
-            return Transit(path, path_time(path), float(distance.min()), len(vias))
-    return None
+        found = _free(np.stack([start, *vias, goal]), required, obstacles, carried)
+        if found is not None and (best is None or found.duration < best.duration):
+            best = found
+        if best is not None and (best.duration < QUICK or len(vias) > best.vias):
+            return best
+    return best
+
+
+def plan_direct(
+    start: Array, goal: Array, obstacles: Sequence[Obstacle] = (), *, margin: float = MARGIN
+) -> Transit | None:
+    """The direct path if it is free: cheap, to choose among several goals."""
+    required = _required(start, goal, obstacles, None, margin)
+    return _free(np.stack([start, goal]), required, obstacles, None)
+
+
+def _required(start: Array, goal: Array, obstacles: Sequence[Obstacle], carried: Array | None, margin: float) -> Array:
+    """Distance to keep from the setting and from each obstacle (1 + B,) [m]."""
+    ends = clearances(np.stack([start, goal]), obstacles, carried)
+    return np.minimum(margin, ends.min(axis=0) - SLACK)
+
+
+def _free(knots: Array, required: Array, obstacles: Sequence[Obstacle], carried: Array | None) -> Transit | None:
+    """The motion through the knots if it keeps the required distances."""
+    path = _spline(knots)
+    distance = clearances(path, obstacles, carried)
+    if (distance < required).any():
+        return None
+    return Transit(path, path_time(path), float(distance.min()), len(knots) - 2)
 
 
 def _spline(knots: Array) -> Array:
