@@ -2,8 +2,8 @@
 
 Definitions (a R b), all in the world frame, from upright solids fitted to what was perceived:
 
-ON_TOP_OF / SUPPORTS       footprints overlap, a's base within 1 cm of b's top
-INSIDE / CONTAINS          b is hollow, a lies over it and begins below its edge
+ON_TOP_OF / SUPPORTS       footprints overlap, a's base within 1 cm of b's top; or a is inside b and sticks out of it
+INSIDE / CONTAINS          b is hollow, a lies over it and begins at least 1 cm below its edge
 OCCLUDES / OCCLUDED_BY     a hides at least a quarter of b from the front camera
 BEHIND / IN_FRONT_OF       a is farther from the person at the front camera, within 60 degrees of the view
 LEFT_OF / RIGHT_OF         a is to the person's left, within 60 degrees
@@ -29,7 +29,7 @@ from tools.scene_relations.direction import is_behind, is_left_of
 from tools.scene_relations.leaning import leans_on
 from tools.scene_relations.line_of_sight import hides
 from tools.scene_relations.solid import Solid, solid_of
-from tools.scene_relations.support import is_above, is_inside, rests_on
+from tools.scene_relations.support import is_above, is_inside, rests_on, sticks_out
 from tools.scene_relations.surface_gap import surface_gap
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def _relate_pair(
     directed = not (inside or stacked or is_inside(b, a, one))
     facts: dict[Relation, bool] = {
         "INSIDE": inside,
-        "ON_TOP_OF": not inside and rests_on(a, b),
+        "ON_TOP_OF": sticks_out(a, b) if inside else rests_on(a, b),
         "ABOVE": not inside and is_above(a, b),
         "OCCLUDES": directed and hides(a, b),
         "BEHIND": directed and is_behind(one.position, other.position),
@@ -134,7 +134,7 @@ def _relate_approach(graph: nx.MultiDiGraph[str], target: PerceivedObject, solid
     centre = (target.position[0], target.position[1])
     for name, solid in solids.items():
         data = graph.get_edge_data(name, target.id) or {}
-        if name == target.id or "INSIDE" in data or "BELOW" in data:
+        if name == target.id or not data.keys().isdisjoint(("INSIDE", "CONTAINS", "BELOW")):
             continue
         if blocks_approach(solid, solids[target.id], centre):
             graph.add_edge(name, target.id, key="BLOCKS_APPROACH", gap=surface_gap(solid, solids[target.id]))

@@ -59,7 +59,7 @@ def infer_constraints(args: ConstraintArgs, context: ToolContext) -> Constraints
     removed = supported_by(args.graph, target.id)
     support = [_support(nodes[name], target, args.graph) for name in removed]
     occlusion = _occlusion(args.graph, target, nodes, removed)
-    content = [_content(target)] if target.state == "filled" else []
+    content = _content(args.graph, target, nodes, removed)
     collision = _collision(args.graph, target, nodes, removed, args.margin)
     adjustment = Adjustment(remove_first=removed, margin=args.margin)
     if occlusion:
@@ -97,9 +97,16 @@ def _support(upper: SceneNode, target: SceneNode, graph: SceneGraph) -> Constrai
     )
 
 
-def _content(target: SceneNode) -> Constraint:
-    reason = f"the {_name(target)} is filled: approach straight down, at {SLOW:g} of full speed"
-    return Constraint(kind="content", target=target.id, reason=reason)
+def _content(
+    graph: SceneGraph, target: SceneNode, nodes: dict[str, SceneNode], removed: tuple[str, ...]
+) -> list[Constraint]:
+    """A filled target, or one with things inside that stay in it, is kept upright and moved slowly."""
+    inside = [nodes[e.target] for e in graph.edges_from(target.id, "CONTAINS") if e.target not in removed]
+    if target.state != "filled" and not inside:
+        return []
+    what = "is filled" if target.state == "filled" else f"contains the {_name(inside[0])}"
+    reason = f"the {_name(target)} {what}: approach straight down, at {SLOW:g} of full speed"
+    return [Constraint(kind="content", target=target.id, reason=reason)]
 
 
 def _occlusion(
@@ -119,9 +126,10 @@ def _collision(
     graph: SceneGraph, target: SceneNode, nodes: dict[str, SceneNode], removed: tuple[str, ...], margin: float
 ) -> list[Constraint]:
     found: list[Constraint] = []
+    carried = {*removed, *(edge.target for edge in graph.edges_from(target.id, "CONTAINS"))}
     for edge in graph.edges_from(target.id, "ADJACENT_TO"):
         neighbour = nodes[edge.target]
-        if edge.gap is None or edge.gap > DELTA_SAFE * margin or edge.target in removed:
+        if edge.gap is None or edge.gap > DELTA_SAFE * margin or edge.target in carried:
             continue
         if neighbour.fragility < FRAGILE_NEIGHBOUR:
             continue

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from tools.scene_relations.solid import Piece, Solid
 from tools.scene_relations.surface_gap import piece_gap
 
@@ -28,6 +30,8 @@ HEADINGS = tuple(math.radians(angle) for angle in (-60, -40, -20, 0, 20, 40, 60)
 """Horizontal headings relative to the direction base -> target."""
 BLOCKED_SHARE = 0.4
 """Share of the ways that must be blocked."""
+FARTHEST = math.hypot(FINGER + PALM_THICK + STANDOFF, PALM_HALF_ALONG)
+"""Objects whose footprint is farther from the target's centre than this meet no way [m]."""
 SKY = 1.0
 """Upper end of the corridor of a vertical approach [m]."""
 
@@ -39,6 +43,9 @@ def blocks_approach(obstacle: Solid, target: Solid, centre: tuple[float, float])
 
 def blocked_share(obstacle: Solid, target: Solid, centre: tuple[float, float]) -> float:
     """Share of the sampled ways to the target that meet the obstacle, in [0, 1]."""
+    middle = np.array([centre])
+    if min(float(piece.horizontal_distance(middle)[0]) for piece in obstacle.pieces) > FARTHEST:
+        return 0.0
     ways = [_from_above(target, centre, math.pi * i / YAWS) for i in range(YAWS)]
     if target.high - target.low >= SIDE_HEIGHT:
         bearing = math.atan2(centre[1], centre[0])

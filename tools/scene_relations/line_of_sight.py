@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.viewpoint import EYE
-from tools.scene_relations.solid import Piece, Solid
+from tools.scene_relations.solid import Piece, Solid, largest
 
 Array = NDArray[np.float64]
 
@@ -25,6 +25,8 @@ def hides(front: Solid, back: Solid) -> bool:
 
 def hidden_share(front: Solid, back: Solid) -> float:
     """Share of the volume samples of `back` whose line to the front camera passes through `front`, in [0, 1]."""
+    if not _may_hide(front, back):
+        return 0.0
     points = volume_samples(back)
     hidden = np.zeros(len(points), dtype=bool)
     for piece in front.pieces:
@@ -32,9 +34,23 @@ def hidden_share(front: Solid, back: Solid) -> float:
     return float(hidden.mean())
 
 
+def _may_hide(front: Solid, back: Solid) -> bool:
+    """A quick look: seen from the front camera, the two lie in overlapping sectors of the horizon."""
+    (a, half_a), (b, half_b) = _sector(front), _sector(back)
+    return abs(a - b) <= half_a + half_b
+
+
+def _sector(solid: Solid) -> tuple[float, float]:
+    """Bearing of the largest piece from the front camera and half its angular width, generously [rad]."""
+    piece = largest(solid)
+    x, y = EYE[0] - piece.centre[0], piece.centre[1] - EYE[1]
+    reach = math.hypot(*piece.half) + piece.reach() + 0.03
+    return math.atan2(y, x), math.asin(min(1.0, reach / math.hypot(x, y)))
+
+
 def volume_samples(solid: Solid) -> Array:
     """Evenly spread points of the largest piece, shape (N, 3)."""
-    piece = max(solid.pieces, key=lambda p: (p.half[0] + p.reach()) * (p.half[1] + p.reach()))
+    piece = largest(solid)
     a, b = piece.half[0] + piece.reach(), piece.half[1] + piece.reach()
     low, high = piece.low - piece.ball, piece.high + piece.ball
     steps = (np.arange(GRID) + 0.5) / GRID * 2.0 - 1.0
@@ -48,44 +64,34 @@ def volume_samples(solid: Solid) -> Array:
 def crosses(points: Array, piece: Piece) -> NDArray[np.bool_]:
     """Which segments from the front camera to the points (N, 3) pass through the piece, shape (N,).
 
-    Within the piece's range of heights a segment is a straight line in the plane; it meets the footprint if its nearest
-    point to it does. The ball's rounding at top and bottom is neglected except for balls proper.
+    Within the piece's range of heights a segment is a straight line in the plane, which either meets the footprint or
+    not.
     """
     eye = np.asarray(EYE)
     along = points - eye
-    if piece.half == (0.0, 0.0) and piece.low == piece.high:  # a ball: distance of its centre to the segment
+    if piece.ball > 0.0:  # a ball: distance of its centre to the segment
         centre = np.array([*piece.centre, piece.low])
         t = np.clip(((centre - eye) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
         return np.linalg.norm(eye + t[:, None] * along - centre, axis=1) <= piece.ball
-    with np.errstate(divide="ignore"):
-        first = (piece.low - piece.ball - eye[2]) / along[:, 2]
-        second = (piece.high + piece.ball - eye[2]) / along[:, 2]
-    t0 = np.clip(np.minimum(first, second), 0.0, 1.0)
-    t1 = np.clip(np.maximum(first, second), 0.0, 1.0)
-    reached = t1 > t0
+    t0, t1 = _within(eye[2], along[:, 2], piece.low, piece.high)
     start = piece.local((eye + t0[:, None] * along)[:, :2])
     end = piece.local((eye + t1[:, None] * along)[:, :2])
-    return reached & (_segment_to_rectangle(start, end, np.asarray(piece.half)) <= piece.reach())
+    return (t1 > t0) & _meets_footprint(start, end - start, piece)
 
 
-def _segment_to_rectangle(start: Array, end: Array, half: Array) -> Array:
-    """Distance of plane segments (N, 2) to the centred rectangle, shape (N,).
+def _within(origin: float | Array, along: Array, low: float, high: float) -> tuple[Array, Array]:
+    """Parameters in [0, 1] between which origin + t along lies in [low, high]; the first exceeds the last if never."""
+    safe = np.where(np.abs(along) < 1e-12, 1e-12, along)
+    first, second = (low - origin) / safe, (high - origin) / safe
+    return np.maximum(np.minimum(first, second), 0.0), np.minimum(np.maximum(first, second), 1.0)
 
-    The distance to a convex set is convex along the segment, so a golden-section search finds its least value; 24
-    steps leave 1e-5 of the length.
-    """
-    ratio = (math.sqrt(5.0) - 1.0) / 2.0
 
-    def distance(t: Array) -> Array:
-        outside = np.maximum(np.abs(start + t[:, None] * (end - start)) - half, 0.0)
-        return np.hypot(outside[:, 0], outside[:, 1])
-
-    low, high = np.zeros(len(start)), np.ones(len(start))
-    for _ in range(24):
-        a, b = high - ratio * (high - low), low + ratio * (high - low)
-        left = distance(a) <= distance(b)
-        high = np.where(left, b, high)
-        low = np.where(left, low, a)
-    return np.minimum(
-        np.minimum(distance((low + high) / 2.0), distance(np.zeros(len(start)))), distance(np.ones(len(start)))
-    )
+def _meets_footprint(start: Array, along: Array, piece: Piece) -> NDArray[np.bool_]:
+    """Which plane segments start + t along, t in [0, 1], in the piece's own axes (N, 2), meet its footprint."""
+    if piece.half == (0.0, 0.0):
+        length = np.maximum((along**2).sum(axis=1), 1e-18)
+        t = np.clip(-(start * along).sum(axis=1) / length, 0.0, 1.0)
+        return np.hypot(*(start + t[:, None] * along).T) <= piece.radius
+    u0, u1 = _within(start[:, 0], along[:, 0], -piece.half[0], piece.half[0])
+    v0, v1 = _within(start[:, 1], along[:, 1], -piece.half[1], piece.half[1])
+    return np.minimum(u1, v1) >= np.maximum(u0, v0)

@@ -93,6 +93,11 @@ class Solid:
         return np.min([piece.distance(points) for piece in self.pieces], axis=0)
 
 
+def largest(solid: Solid) -> Piece:
+    """The piece with the largest footprint: a handle's owner, not the handle."""
+    return max(solid.pieces, key=lambda piece: (piece.half[0] + piece.reach()) * (piece.half[1] + piece.reach()))
+
+
 def solid_of(obj: PerceivedObject) -> Solid:
     """The pieces of a perceived object: ball, disc or rectangle, and a loop handle where one was seen."""
     low, high = obj.base_z, obj.top_z

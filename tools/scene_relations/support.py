@@ -28,8 +28,13 @@ def is_above(upper: Solid, lower: Solid) -> bool:
 
 
 def rests_on(upper: Solid, lower: Solid) -> bool:
-    """ON_TOP_OF: above, and the upper one's base lies at the lower one's top within `REST_TOLERANCE`."""
+    """The upper one lies above, and its base is at the lower one's top within `REST_TOLERANCE`."""
     return abs(upper.low - lower.high) <= REST_TOLERANCE and over(upper, lower)
+
+
+def sticks_out(inner: Solid, outer: Solid) -> bool:
+    """Whether a thing inside another one rises above its edge: the edge is no support, but it is borne all the same."""
+    return inner.high >= outer.high + INSIDE_DEPTH
 
 
 def is_hollow(obj: PerceivedObject) -> bool:

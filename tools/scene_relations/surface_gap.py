@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tools.scene_relations.solid import Piece, Solid
+from tools.scene_relations.solid import Piece, Solid, largest
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def overlap_share(one: Solid, other: Solid) -> float:
 
 def footprint_samples(solid: Solid) -> Array:
     """Evenly spread points of the footprint of the largest piece, shape (N, 2)."""
-    piece = max(solid.pieces, key=lambda p: (p.half[0] + p.reach()) * (p.half[1] + p.reach()))
+    piece = largest(solid)
     a, b = piece.half[0] + piece.reach(), piece.half[1] + piece.reach()
     steps = (np.arange(GRID) + 0.5) / GRID * 2.0 - 1.0
     u, v = np.meshgrid(steps * a, steps * b)
