@@ -124,9 +124,9 @@ def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
     )
 
 
-def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach, lift: float) -> bool:
+def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach) -> bool:
     """Lifts a little, weighs, and lifts the rest; False if the hand closed on nothing and there is nothing to lift."""
-    share = min(1.0, TEST_LIFT / lift)
+    share = TEST_LIFT / reach.height
     first, rest = part(reach.lift, 0.0, share), part(reach.lift, share, 1.0)
     base_z = float(motion.world.read("robot/tcp_position")[2])
     motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), CLOSED, reach.joints), "lift")
@@ -136,7 +136,9 @@ def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach, lift: float) -> bool:
     if motion.aperture < NOTHING:
         _note_end(motion, weighed, base_z)
         return False
-    up = motion.run(follow(along(rest, approach_time(lift - TEST_LIFT, grasp.speed)), CLOSED, first[-1]), "lift")
+    up = motion.run(
+        follow(along(rest, approach_time(reach.height - TEST_LIFT, grasp.speed)), CLOSED, first[-1]), "lift"
+    )
     motion.carry(up)
     motion.note(aperture_lifted=motion.aperture)
     _note_end(motion, up, base_z)

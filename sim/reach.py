@@ -37,6 +37,8 @@ MAX_JUMP = 0.30
 """Largest change of a joint between neighbouring path samples [rad]."""
 START_MARGIN = 0.08
 """Distance from the joint limits that a grasp configuration keeps [rad]."""
+LEAST_LIFT = 0.13
+"""Lift that is accepted where the arm can do no more [m]: success asks for 10 cm, and an object may slip 2 cm."""
 TRIES = 24
 """Configurations whose lines are followed before giving up, best cost first."""
 LINK_CLEARANCE = 0.005
@@ -55,6 +57,8 @@ class Reach:
     """From the pre-grasp to the grasp, evenly spaced along the line, shape (K, 7)."""
     lift: Array
     """From the grasp straight up, evenly spaced, shape (K, 7)."""
+    height: float
+    """Height of the lift [m]."""
     cost: float
     """Weighted squared joint distance from the start and the ready pose [rad^2]."""
     residual: float = 0.0
@@ -91,12 +95,36 @@ def solve_reach(grasp: Grasp, start: Array | None = None, *, lift: float = FULL_
 def solve_reaches(
     grasp: Grasp, start: Array | None = None, *, lift: float = FULL_LIFT, options: int = 3
 ) -> tuple[Reach, ...] | Unreachable:
-    """Up to `options` ways to make a grasp, best first and different from each other, or why there is none."""
+    """Up to `options` ways to make a grasp, best first and different from each other, or why there is none.
+
+    Where the arm cannot lift as high as wanted, `LEAST_LIFT` is enough.
+    """
     start = READY if start is None else np.asarray(start, float)
     poses = (grasp_pose(grasp), flipped(grasp_pose(grasp)))
     ranked = list(_ranked(poses, start))
     if not ranked:
         return Unreachable(_residual(poses, start), "grasp")
+    heights = [lift, min(lift, LEAST_LIFT)]
+    height = next((height for height in heights if any(_exists(pose, height, start) for pose in poses)), None)
+    if height is None:
+        return Unreachable(0.0, "lift")
+    result = _search(grasp, ranked, height, options)
+    if isinstance(result, Unreachable) and result.reason == "lift" and height > LEAST_LIFT:
+        return _search(grasp, ranked, LEAST_LIFT, options)
+    return result
+
+
+def _exists(pose: Array, height: float, start: Array) -> bool:
+    """Whether the tool pose `height` [m] above `pose` can be reached at all: rules out most hopeless searches."""
+    raised = pose.copy()
+    raised[2, 3] += height
+    return len(inverse_many(raised, Q7_SAMPLES, start)) > 0
+
+
+def _search(
+    grasp: Grasp, ranked: list[tuple[float, Array, Array]], lift: float, options: int
+) -> tuple[Reach, ...] | Unreachable:
+    """Follows the lines of the ranked configurations until `options` ways are found."""
     found: list[Reach] = []
     failures: list[str] = []
     for cost, joints, pose in ranked[:TRIES]:
@@ -125,7 +153,11 @@ def reach_from(grasp: Grasp, joints: Array, *, lift: float = FULL_LIFT) -> Reach
     distance = float(np.linalg.norm(error[:3]))
     if distance > 1e-3 or float(np.linalg.norm(error[3:])) > 1e-2:
         return Unreachable(distance, "grasp")
-    result = _follow(grasp, pose, joints, 0.0, lift)
+    result: Reach | str = "lift"
+    for height in (lift, min(lift, LEAST_LIFT)):
+        result = _follow(grasp, pose, joints, 0.0, height)
+        if result != "lift":
+            break
     return result if isinstance(result, Reach) else Unreachable(0.0, result)
 
 
@@ -197,7 +229,7 @@ def _follow(grasp: Grasp, pose: Array, joints: Array, cost: float, lift: float) 
     if table_clearance(back[[0, APPROACH_KNOTS // 2, -1]]) < LINK_CLEARANCE or table_clearance(up[:1]) < LINK_CLEARANCE:
         return "table"
     residual = float(np.linalg.norm(forward(joints)[:3, 3] - pose[:3, 3]))
-    return Reach(joints, back[::-1].copy(), up, cost, residual)
+    return Reach(joints, back[::-1].copy(), up, lift, cost, residual)
 
 
 def _ranked(poses: tuple[Array, ...], start: Array) -> Iterator[tuple[float, Array, Array]]:

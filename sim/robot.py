@@ -93,7 +93,7 @@ class Robot:
             obstacles: Perceived boxes that the arm keeps away from on its free way; may include the target.
             shake: Whether to shake after holding.
             force_limit: Wrist force that aborts the approach [N]; lower for fragile targets.
-            lift: Height of the lift [m].
+            lift: Height of the lift [m], at least 5 cm; up to 4 cm less where the arm cannot do more.
 
         Raises:
             BadInputError: the hand already holds something.
@@ -107,7 +107,7 @@ class Robot:
             arrive(motion, grasp, transit, force_limit)
             approach(motion, grasp, reach, force_limit)
             close(motion, grasp, reach)
-            if lift_up(motion, grasp, reach, lift):
+            if lift_up(motion, grasp, reach):
                 hold_and_shake(motion, reach, shake)
         except HaltedError as halted:
             motion.note(stopped_by=halted.cause)
