@@ -18,6 +18,7 @@ from sim.catalogue import FRICTION, MODELS
 from sim.footprint import gap, outline
 from sim.objects import bin as bin_shape
 from sim.objects.form import quaternion_about
+from sim.own_object import own_object
 from sim.particles import contained, fill
 from sim.placed import PlacedObject, PlacedScene, RequiredConstraint, Task
 from sim.scene_file import placement_order
@@ -59,13 +60,9 @@ def draw_scene(spec: SceneSpec, seed: int) -> PlacedScene:
     streams = [np.random.default_rng(stream) for stream in instances.spawn(len(spec.objects))]
     things = {entry.id: draw_object(entry, spec, stream) for entry, stream in zip(spec.objects, streams, strict=True)}
     scene = PlacedScene(
-        name=spec.name,
-        seed=seed,
-        objects=(),
-        cameras=draw_cameras(np.random.default_rng(cameras)),
-        task=_task(spec),
-        **surroundings(np.random.default_rng(look)),  # type: ignore[arg-type]
+        name=spec.name, seed=seed, objects=(), cameras=draw_cameras(np.random.default_rng(cameras)), task=_task(spec)
     )
+    scene = lit(scene, np.random.default_rng(look))
     return _placed(spec, scene, things, family, np.random.default_rng(place), np.random.default_rng(contents))
 
 
@@ -78,17 +75,13 @@ def draw_object(entry: ObjectSpec, spec: SceneSpec, rng: np.random.Generator) ->
     """The instance of an entry, still at the origin."""
     spread = spec.randomise
     size, mass, friction = (float(rng.uniform(-1.0, 1.0)) for _ in range(3))
-    colour = None if entry.color is None else (*entry.color, 1.0)
     if entry.model is None:
-        from sim.mesh import own_object
-
         return own_object(
             entry,
             spec,
             scale=entry.scale * (1 + spread.size * size),
             mass_factor=1 + spread.mass * mass,
             friction_factor=1 + spread.friction * friction,
-            colour=colour,
             rng=rng,
         )
     chosen = MODELS[entry.model]
@@ -100,7 +93,7 @@ def draw_object(entry: ObjectSpec, spec: SceneSpec, rng: np.random.Generator) ->
         size_scale=scale,
         mass=(chosen.mass if entry.mass is None else entry.mass) * (1 + spread.mass * mass),
         friction=nominal_friction * (1 + spread.friction * friction),
-        colour=colour,
+        colour=None if entry.color is None else (*entry.color, 1.0),
         fragility=entry.fragility,
         category=entry.category,
         state="stacked" if entry.on is not None else entry.state,
@@ -127,20 +120,23 @@ def _task(spec: SceneSpec) -> Task | None:
     )
 
 
-def surroundings(rng: np.random.Generator) -> dict[str, object]:
-    """Light, and the table's colour and grain."""
+def lit(scene: PlacedScene, rng: np.random.Generator) -> PlacedScene:
+    """The scene with drawn light and a drawn colour and grain of the table."""
     azimuth, height = float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.5, 1.2))
     wood = np.array([0.72, 0.66, 0.58]) * rng.uniform(0.7, 1.15) + rng.uniform(-0.06, 0.06, 3)
-    return {
-        "light": (math.cos(azimuth) * math.cos(height), math.sin(azimuth) * math.cos(height), math.sin(height)),
-        "ambient": float(rng.uniform(0.35, 0.55)),
-        "table_rgba": (*np.clip(wood, 0.05, 0.95).tolist(), 1.0),
-        "extras": {
-            "table_contrast": float(rng.uniform(0.0, 0.15)),
-            "table_grain": float(rng.uniform(0.03, 0.12)),
-            "table_turn": float(rng.uniform(0.0, math.pi)),
-        },
+    red, green, blue = np.clip(wood, 0.05, 0.95).tolist()
+    pattern = {
+        "table_contrast": float(rng.uniform(0.0, 0.15)),
+        "table_grain": float(rng.uniform(0.03, 0.12)),
+        "table_turn": float(rng.uniform(0.0, math.pi)),
     }
+    return replace(
+        scene,
+        light=(math.cos(azimuth) * math.cos(height), math.sin(azimuth) * math.cos(height), math.sin(height)),
+        ambient=float(rng.uniform(0.35, 0.55)),
+        table_rgba=(red, green, blue, 1.0),
+        extras={**scene.extras, **pattern},
+    )
 
 
 def _placed(

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from kb.errors import BadInputError
 from sim.catalogue import MODELS, model
+from sim.own_object import check_files
 from sim.scene_spec import ObjectSpec, SceneSpec, Source, TaskSpec
 
 MAX_BYTES = 1_000_000
@@ -137,7 +138,7 @@ def _keys(noun: Any) -> tuple[str, ...]:
 def _readable(error: ValidationError, where: str, lines: Lines, ids: list[str | None]) -> BadInputError:
     """The first defect, with the line of the key it concerns and the object's name."""
     defect = error.errors()[0]
-    location = tuple(part for part in defect["loc"])
+    location: tuple[str | int, ...] = tuple(defect["loc"])
     known = location
     while known and known not in lines:
         known = known[:-1]
@@ -151,11 +152,12 @@ def _readable(error: ValidationError, where: str, lines: Lines, ids: list[str | 
         noun = ObjectSpec
     elif location and location[0] == "task":
         noun = TaskSpec
+    last = location[len(location) - 1] if location else ""
     key = next((str(part) for part in reversed(known) if isinstance(part, str)), "")
     if defect["type"] == "extra_forbidden":
-        return BadInputError(f"unknown key {location[-1]!r}", where=place, choices=_keys(noun))
+        return BadInputError(f"unknown key {last!r}", where=place, choices=_keys(noun))
     if defect["type"] == "missing":
-        return BadInputError(f"the key {location[-1]!r} is missing", where=place)
+        return BadInputError(f"the key {last!r} is missing", where=place)
     message = str(defect["msg"]).removeprefix("Value error, ")
     return BadInputError(f"{key}: {message[:1].lower()}{message[1:]}" if key != "objects" else message, where=place)
 
@@ -174,8 +176,10 @@ def _check_references(spec: SceneSpec) -> None:
             if thing.state == "filled" and model(thing.model).form().cavity is None:
                 hollow = [name for name, entry in MODELS.items() if entry.form().cavity is not None]
                 raise BadInputError(f"a {thing.model} cannot be filled", where=where, choices=hollow)
-        elif thing.state == "filled":
-            raise BadInputError("only catalogue containers can be filled", where=where)
+        else:
+            if thing.state == "filled":
+                raise BadInputError("only catalogue containers can be filled", where=where)
+            check_files(thing, spec)
     for thing in spec.objects:
         for other in (thing.near, thing.on):
             if other is not None and (other not in ids or other == thing.id):

@@ -13,7 +13,7 @@ from kb.errors import BadInputError
 from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.cameras import draw_cameras
 from sim.catalogue import MODELS, damage_threshold
-from sim.draw_scene import REACH, RESTING, SPAWN_LOWER, SPAWN_UPPER, TABLE_LOWER, TABLE_UPPER, beside, surroundings
+from sim.draw_scene import REACH, RESTING, SPAWN_LOWER, SPAWN_UPPER, TABLE_LOWER, TABLE_UPPER, beside, lit
 from sim.footprint import gap, outline
 from sim.objects.colours import anything
 from sim.objects.form import Colour, quaternion_about
@@ -79,9 +79,8 @@ def _draw(rng: np.random.Generator, how: Arrangement, number: int, free_colours:
             return None
         things.append(placed)
     seed = int(rng.integers(2**31))
-    scene = PlacedScene(
-        name=f"random_{how}", seed=seed, objects=tuple(things), cameras=draw_cameras(rng), **surroundings(rng)
-    )
+    scene = PlacedScene(name=f"random_{how}", seed=seed, objects=tuple(things), cameras=draw_cameras(rng))
+    scene = lit(scene, rng)
     if how == "stacked":
         lowered = lay_down(scene, things[1].id, things[1].position[2])
         scene = replace(scene, objects=(things[0], lowered, *things[2:]))
