@@ -110,12 +110,17 @@ def _content_kept(target: str, trial: Trial) -> tuple[bool, dict[str, Any]]:
         share = grips[target].track.content[:, column]
         first = float(share[0]) if first is None else first
         lost = max(lost, (first - float(share[-1])) / max(first, 1e-9))
-        tilted = max(tilted, float(tilt(grips[target], trial.uprights[target]).max()))
+        # The shake is the examiner's, not the robot's: it tilts the hand by as much as the limit.
+        calm = np.ones(len(grips[target].track), bool)
+        calm[grips[target].track.rows("shake")] = False
+        tilted = max(tilted, float(tilt(grips[target], trial.uprights[target])[calm].max(initial=0.0)))
     return lost <= SPILL_LIMIT + 1e-9, {"spilled": round(lost, 3), "tilt_deg": degrees(tilted)}
 
 
 def _removed_first(target: str, trial: Trial) -> tuple[bool, dict[str, Any]]:
     """The supported object was taken away and put down unharmed before its supporter moved."""
+    if not trial.motions:
+        return False, {"note": "nothing was attempted"}
     supporter = supporter_of(target, trial)
     if supporter is None:
         return False, {"note": "rests on nothing movable"}

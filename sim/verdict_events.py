@@ -74,9 +74,9 @@ def _collisions(grip: Grip, in_hand: str | None, meant: str | None) -> Iterator[
             # The hand closes on the wrong thing: before that a touch is a collision, from then on a wrong object.
             hit[close[0] :] = False
         elif other != "robot":
-            if other != meant or grip.closed < 0:
+            if other != meant:
                 continue
-            hit[: grip.closed] = False
+            hit[: max(grip.closed, 0)] = False
         rows = np.flatnonzero(hit)
         if len(rows):
             by = "the hand" if other == "robot" else other
@@ -133,7 +133,12 @@ def _closing(grip: Grip, in_hand: str | None, width_at: WidthAt) -> Iterator[Eve
 
 def _holding(grip: Grip) -> Iterator[Event]:
     """It moved in the hand or left it."""
-    if grip.closed < 0 or not (grip.gripped or grip.taken):
+    if grip.closed < 0:
+        carried = grip.track.rows("carry", "set_down")
+        if len(carried) and grip.touched[0] and not grip.touched[carried].all():
+            yield Event(int(carried[np.argmin(grip.touched[carried])]), "DROP", "it was lost on the way")
+        return
+    if not (grip.gripped or grip.taken):
         return
     far = np.flatnonzero(np.linalg.norm(grip.slip_path, axis=1) > SLIP_LIMIT)
     slipped = int(far[0]) if len(far) else -1

@@ -68,9 +68,15 @@ class Grip:
 
     @cached_property
     def pressed(self) -> Array:
-        """Peak force of the robot on it [N], (R,): the strongest contact, or all contacts of one pad together."""
+        """Peak force of the robot on it [N], (R,).
+
+        The largest of its strongest contact, all contacts of one pad together, and, where it is touched, what it presses
+        on the table beyond its weight: a palm that comes down on a rim has many contacts, each of them weak.
+        """
+        table = self.track.table[:, self.column]
+        down = np.where(self.touched, table - table[0], 0.0)
         pads = self.track.pads[:, self.column].max(axis=1)
-        return np.maximum(self.track.robot[:, self.column], pads).astype(float)
+        return np.maximum.reduce([self.track.robot[:, self.column], pads, down]).astype(float)
 
     @cached_property
     def pinched(self) -> NDArray[np.bool_]:
