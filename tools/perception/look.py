@@ -15,6 +15,10 @@ from tools.perception.object_points import object_points
 from tools.perception.segment import Pieces, segment
 
 
+NOISE_SHARE = 0.03
+"""Clusters with a smaller share of all points are not part of the only thing on the table."""
+
+
 @dataclass(frozen=True)
 class Look:
     """Both pictures, calibrated and cut into pieces."""
@@ -41,11 +45,11 @@ def take_apart(views: tuple[RgbdView, ...]) -> Look:
 
 
 def measure_alone(views: tuple[RgbdView, ...]) -> Measured | None:
-    """The largest thing on the table, all its pieces together; None if there is none. For reference views."""
+    """The only thing on the table, all its pieces together; None if nothing is seen. For reference views."""
     look = take_apart(views)
     if not len(look.pieces.cluster):
         return None
     amount = np.bincount(look.maker.label[look.maker.label >= 0], minlength=len(look.pieces.cluster))
     weight = np.bincount(look.pieces.cluster, weights=amount)
-    chosen = np.flatnonzero(look.pieces.cluster == int(np.argmax(weight)))
+    chosen = np.flatnonzero(weight[look.pieces.cluster] > NOISE_SHARE * weight.sum())
     return measure(look.maker.blob(tuple(int(piece) for piece in chosen)))

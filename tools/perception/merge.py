@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kb.references import References
+from kb.vocabulary import UNKNOWN_CATEGORY
 from tools.perception.blobs import BlobMaker
 from tools.perception.classify import Judgement, classify
 from tools.perception.features import colour_features, features
@@ -30,6 +31,12 @@ HANGING_COST = 2.5
 HANGING = 0.012
 """A piece whose lowest point is higher than this above its support hangs [m]."""
 
+CRUMB = 0.10
+"""A piece with less than this share of the points of a union is more likely a detail of it than a thing [-]."""
+
+GAP = 0.045
+"""How far the top of what is underneath may be hidden below a hanging thing [m]."""
+
 MOST_PIECES = 7
 """Of a cluster with more pieces only the largest are told apart."""
 
@@ -45,6 +52,13 @@ class Candidate:
     """Pieces seen inside its rim."""
     under: int | None = None
     """A piece that it stands on."""
+    hangs: bool = False
+    """It would hang in the air if it were an object by itself."""
+
+    @property
+    def known(self) -> bool:
+        """Some category fits it."""
+        return self.judgement.category != UNKNOWN_CATEGORY
 
 
 class Merger:
@@ -55,16 +69,46 @@ class Merger:
         self._maker: BlobMaker = look.maker
         self._references = references
         self._nouns = nouns
+        self._hung: set[tuple[int, int]] = set()
+        """Pairs of pieces of which one hangs above the other."""
         self._cache: dict[tuple[int, ...], Candidate] = {}
         self._blobs: dict[tuple[int, ...], Blob] = {}
 
     def objects(self) -> list[Candidate]:
         """The objects of the look."""
         found: list[Candidate] = []
-        for cluster in np.unique(self._look.pieces.cluster):
-            pieces = [int(piece) for piece in np.flatnonzero(self._look.pieces.cluster == cluster)]
+        for pieces in self._clusters():
             found += self._read(pieces)
         return found
+
+    def _clusters(self) -> list[list[int]]:
+        """Pieces per spatial cluster; what hangs in the air joins the cluster under it.
+
+        A wine glass's bowl hides the upper end of its stem from the front camera, so that they do not touch.
+        """
+        groups = [
+            [int(piece) for piece in np.flatnonzero(self._look.pieces.cluster == cluster)]
+            for cluster in np.unique(self._look.pieces.cluster)
+        ]
+        spans = [np.quantile(self._blob(tuple(group)).xyz, [0.02, 0.98], axis=0) for group in groups]
+        for i in sorted(range(len(groups)), key=lambda i: -spans[i][0, 2]):
+            low, high = spans[i]
+            if low[2] < 0.02:
+                continue
+            best: tuple[float, int] | None = None
+            for j in range(len(groups)):
+                if i == j or not groups[j]:
+                    continue
+                xyz = self._blob(tuple(groups[j])).xyz
+                under = np.all((xyz[:, :2] > low[:2]) & (xyz[:, :2] < high[:2]), axis=1) & (xyz[:, 2] < low[2] + 0.005)
+                if under.sum() >= 15 and low[2] - (top := float(xyz[under, 2].max())) < GAP:
+                    best = max(best or (-1.0, -1), (top, j))
+            if best is not None:
+                for mine in groups[i]:
+                    self._hung |= {(min(mine, other), max(mine, other)) for other in groups[best[1]]}
+                groups[best[1]] = sorted(groups[best[1]] + groups[i])
+                groups[i] = []
+        return [group for group in groups if group]
 
     def _read(self, pieces: list[int]) -> list[Candidate]:
         """The cheapest reading of one cluster: pairs of touching groups are merged while that saves cost."""
@@ -93,19 +137,21 @@ class Merger:
 
     def _gain(self, groups: list[tuple[int, ...]], i: int, j: int) -> float:
         """Cost saved by merging two groups; negative if they do not touch."""
-        links = sum(
-            count
-            for (a, b), count in self._look.pieces.links.items()
-            if (a in groups[i] and b in groups[j]) or (b in groups[i] and a in groups[j])
-        )
-        if links == 0:
+        pairs = {(min(a, b), max(a, b)) for a in groups[i] for b in groups[j]}
+        if not (pairs & self._look.pieces.links.keys() or pairs & self._hung):
             return -1.0
         first, second = self._candidate(groups[i], groups), self._candidate(groups[j], groups)
         rest = [group for k, group in enumerate(groups) if k not in (i, j)]
         both = self._candidate(tuple(sorted(groups[i] + groups[j])), rest)
         gain = first.cost + second.cost - both.cost
         if min(first.measured.lost, second.measured.lost) > CLEAR_LOSS:
-            gain += 1.5  # what is seen through glass colours it unevenly
+            return gain + 1.5  # what is seen through glass colours it unevenly
+        share = len(first.measured.blob.xyz) / len(both.measured.blob.xyz)
+        crumb = min(share, 1 - share) < CRUMB
+        if not (both.known or first.hangs or second.hangs or crumb):
+            return -1.0  # two strange things side by side are two
+        if both.known and first.known and second.known and not crumb:
+            return -1.0  # a cube beside a block may look like a box, but each is something by itself
         return gain
 
     def _blob(self, group: tuple[int, ...]) -> Blob:
@@ -126,12 +172,11 @@ class Merger:
                 blob = replace(blob, low=np.concatenate([blob.low, inner.xyz[inner.from_top]]))
             measured = measure(blob, support)
             judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
-            unknown = judgement.posterior.get("unknown", 0.0)
-            cost = OBJECT_COST + UNKNOWN_COST * unknown
+            unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
             lowest = float(np.quantile(blob.xyz[:, 2], 0.02))
-            if lowest - support > HANGING + 0.35 * (measured.top - support):
-                cost += HANGING_COST
-            self._cache[key] = Candidate(measured, judgement, cost, contents, under)
+            hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
+            cost = OBJECT_COST + UNKNOWN_COST * unknown + HANGING_COST * hangs
+            self._cache[key] = Candidate(measured, judgement, cost, contents, under, hangs)
         return self._cache[key]
 
     def _support(self, group: tuple[int, ...], others: list[tuple[int, ...]]) -> tuple[int | None, float]:

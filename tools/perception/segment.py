@@ -23,8 +23,8 @@ FEWEST_POINTS = 30
 CHROMA_RADIUS = 0.055
 """Largest distance of a voxel's chromaticity (r, g over the sum) from its colour mode."""
 
-BRIGHTNESS_RADIUS = 1.05
-"""Largest difference of log brightness within a colour mode: light alone explains a factor of 2.5 (ambient 0.4)."""
+BRIGHTNESS_RADIUS = 1.5
+"""Largest difference of log brightness within a colour mode: light alone explains a factor of 3 (ambient 0.35)."""
 
 SMALLEST_SHARE = 0.02
 """Pieces with a smaller share of their cluster's points are absorbed by a neighbour."""
