@@ -1,1 +1,5 @@
-"""Room of the project; see docs/."""
+"""The agent: language, task graph, retry ladder. `build_agent` is its door; everything heavy loads when it is built."""
+
+from agent.build_agent import Agent, build_agent
+
+__all__ = ["Agent", "build_agent"]

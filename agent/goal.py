@@ -64,6 +64,8 @@ class Reference(Noun):
     """"it", "that", "this one": what was dealt with last."""
     plural: bool = False
     """"all cups", "the apples", "everything"."""
+    anyone: bool = False
+    """"a cup", "any cup": whichever of those that fit."""
     count: int | None = None
     """"two cups"."""
     excluding: tuple[Reference, ...] = ()

@@ -38,6 +38,8 @@ class OpenedWorld:
     """The truth; for faces and benchmark only."""
     world: Any
     """The physical truth; for pictures and videos only."""
+    stop: Any
+    """Latching stop switch of the robot."""
     reopen: Callable[[], OpenedWorld] = field(repr=False)
     """Opens another world of the same scene and seed, for simulating what would have happened."""
 
@@ -77,20 +79,21 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
     from sim.draw_scene import draw_scene
     from sim.observer import Observer
     from sim.scene_file import load_scene
+    from sim.stop import StopSwitch
     from sim.world import World
 
     spec = load_scene(scene)
     placed = draw_scene(spec, seed) if noise == 1.0 else draw_scene(spec, seed, noise=noise)
     world = World(placed)
-    observer = Observer(world)
+    observer, stop = Observer(world), StopSwitch()
     if evaluator == "analytic":
         from sim.analytic import AnalyticRobot
 
-        robot: Any = AnalyticRobot(world)
+        robot: Any = AnalyticRobot(world, stop=stop)
     else:
         from sim.robot import Robot
 
-        robot = Robot(world)
+        robot = Robot(world, stop=stop)
     return OpenedWorld(
         scene=placed.name,
         seed=seed,
@@ -99,6 +102,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
         observer=observer,
         placed=placed,
         world=world,
+        stop=stop,
         reopen=lambda: open_world(scene, seed, evaluator=evaluator, noise=noise),
     )
 
@@ -117,7 +121,7 @@ def open_perceiver(name: PerceptionName, opened: OpenedWorld, embedder: Any) -> 
     if name == "oracle":
         from tools.oracle_perception import OraclePerceiver
 
-        return OraclePerceiver(opened.world)
+        return OraclePerceiver(opened.world, embedder)
     if name == "vlm":
         raise EnvironmentFaultError("perception 'vlm' needs a vision-language model", mend="use --perception rgbd")
     raise BadInputError(f"unknown perception {name!r}", choices=PERCEPTIONS)

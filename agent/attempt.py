@@ -1,0 +1,63 @@
+"""H, the history of attempts (Algorithm 1), and what is in the hand now."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from kb.base import Noun
+from kb.constraint import Constraints
+from kb.percept import PerceivedObject, Percept
+from kb.run_result import Level
+from kb.sensing import CameraEvidence, Correction, Plan, Sensing
+from kb.vocabulary import FailureType
+
+
+class Attempt(Noun):
+    """One executed grasp, with all the agent knew and sensed. Nothing of the observer is in here."""
+
+    number: int
+    """Counts over the whole conversation, from 0."""
+    turn: int
+    """Number of the instruction it was made for."""
+    goal: int
+    """Index of the goal within the turn."""
+    level: Level
+    plan: Plan
+    target: PerceivedObject
+    """The target as it was perceived before the attempt."""
+    percept: Percept | None = None
+    """The look that the attempt was planned on."""
+    constraints: Constraints = Field(default_factory=Constraints)
+    sensing: Sensing
+    camera: CameraEvidence | None = None
+    claimed: bool = False
+    failure: FailureType | None = None
+    confidence: float = 1.0
+    reasons: tuple[str, ...] = ()
+    correction: Correction | None = None
+    """The correction that led to this attempt."""
+    thought: str = ""
+    motion: int = 0
+    """Number of the motion; the observer's recordings are kept by it."""
+    before: bytes = b""
+    """Opaque snapshot of the world before the motion, for simulating what would have happened."""
+
+
+def add_attempts(old: tuple[Attempt, ...], new: tuple[Attempt, ...]) -> tuple[Attempt, ...]:
+    """Reducer of H: attempts in order of their numbers; one that comes again (with its diagnosis) replaces the former."""
+    if not new:
+        return old
+    numbers = {attempt.number: attempt for attempt in (*old, *new)}
+    return tuple(numbers[number] for number in sorted(numbers))
+
+
+class Held(Noun):
+    """What the agent believes to be in the hand."""
+
+    plan: Plan
+    object: PerceivedObject
+    """The object as it stood before it was taken."""
+    category: str
+    load: float = 0.0
+    """Mass sensed by the wrist [kg]."""
+    handed_over: bool = False

@@ -1,0 +1,149 @@
+"""The rules brain: Algorithm 1 without a language model, thoughts phrased from facts in the state.
+
+It is a real brain, not a stand-in for one: it understands people by grammar, follows the ladder, and answers from the
+recorded provenance. It draws no random numbers and remembers nothing between calls.
+"""
+
+from __future__ import annotations
+
+from agent import phrases
+from agent.answer import answer
+from agent.brain import Deliberation, Reflected, Situation, Spoken
+from agent.goal import Goal, Understanding
+from agent.language.read_command import understand
+from kb.grasp import Provenance
+from kb.percept import PerceivedObject
+from kb.sensing import Correction, Plan
+from prompts import render
+
+
+class RulesBrain:
+    """Understands, thinks, reflects and answers by rules."""
+
+    name = "rules"
+
+    def __init__(self) -> None:
+        self.calls = 0
+        """How often it was asked, for the record."""
+
+    def understand(self, situation: Situation) -> Understanding:
+        """Reads the instruction by grammar; a bare thing is asked back."""
+        self.calls += 1
+        got = understand(situation.instruction, pending=situation.pending)
+        bare = [goal for goal in got.goals if goal.kind == "answer" and goal.query is None]
+        if bare and bare[0].reference is not None:
+            thing = phrases.spoken(bare[0].reference)
+            question = f"What shall I do with {thing}? I can pick it up, hand it to you or put it somewhere."
+            return Understanding(question=question, goals=())
+        return got
+
+    def think(self, situation: Situation) -> Deliberation:
+        """The grasp, and why: experience, constraints, and what failed before."""
+        self.calls += 1
+        plan, target = situation.plan, _target(situation)
+        assert plan is not None
+        numbers = _numbers(plan)
+        if situation.tries and situation.tries[-1].failure is not None:
+            last = situation.tries[-1]
+            rule = situation.tries and _rule(situation)
+            text = render(
+                "thought/retry",
+                number=str(len(situation.tries)),
+                failure=phrases.plain(last.failure or "UNKNOWN").lower(),
+                level=str(situation.level),
+                rule=rule or "a fresh grasp",
+                **numbers,
+            )
+            return Deliberation(text=text)
+        constraints = " ".join(phrases.sentence(c.reason) for c in situation.constraints.active)
+        text = render(
+            "thought/first_attempt",
+            target=phrases.plain(target.category),
+            material=target.affordance.material,
+            fragility=f"{target.affordance.fragility:.1f}",
+            width=f"{plan.local_width * 1000:.0f}",
+            source=_source(situation),
+            constraints=f"{constraints} " if constraints else "",
+            **numbers,
+        )
+        return Deliberation(text=text)
+
+    def reflect(self, situation: Situation, offered: Correction | None) -> Reflected:
+        """Takes the correction that the rules offer, and says what it changes."""
+        self.calls += 1
+        last, number = situation.tries[-1], str(len(situation.tries) + 1)
+        if offered is None:
+            return Reflected(text=render("thought/blind", number=number))
+        changes = [f"{field} {_value(value)}" for field, value in sorted(offered.changes.items())]
+        if offered.region is not None:
+            changes.append(f"region {offered.region}")
+        text = render(
+            "thought/correction",
+            failure=phrases.plain(last.failure or "UNKNOWN").lower(),
+            reasons="; ".join(last.reasons) or "no reading tells why",
+            number=number,
+            level=str(offered.level),
+            rule=offered.rule,
+            changes=f" ({', '.join(changes)})" if changes else "",
+        )
+        return Reflected(text=text, correction=offered)
+
+    def answer(self, situation: Situation) -> Spoken:
+        """What was done, or the answer to the question, from recorded facts."""
+        self.calls += 1
+        return answer(situation)
+
+
+def _target(situation: Situation) -> PerceivedObject:
+    assert situation.percept is not None
+    goal: Goal | None = situation.goal
+    assert goal is not None
+    assert goal.target is not None
+    return situation.percept.object(goal.target)
+
+
+def _numbers(plan: Plan) -> dict[str, str]:
+    grasp = plan.grasp
+    return {
+        "region": plan.region,
+        "approach": phrases.tilt_words(plan),
+        "force": f"{grasp.force:.1f}",
+        "aperture": f"{grasp.aperture * 1000:.0f}",
+        "quality": f"{plan.quality.q:.2f}",
+    }
+
+
+def _source(situation: Situation) -> str:
+    """Which experience or memory the strategy comes from, by the plan's own provenance."""
+    assert situation.plan is not None
+    sources: tuple[Provenance, ...] = situation.plan.provenance.get("type", ())
+    for item in sources:
+        if item.source == "memory":
+            return "It worked like this before in this session."
+        if item.source == "experience":
+            found = _experience(situation, item.id)
+            return found or f"Experience {item.id} did it like this."
+    return "No experience of this kind helps; the object's shape decides."
+
+
+def _experience(situation: Situation, entry_id: str) -> str | None:
+    for item in situation.retrieval.top if situation.retrieval else ():
+        if item.experience.id == entry_id:
+            e = item.experience
+            return (
+                f"Experience {e.id}, a {phrases.plain(e.category)} taken by the {e.strategy.region}, succeeded in "
+                f"{e.n_success} of {e.n_trials} trials."
+            )
+    return None
+
+
+def _rule(situation: Situation) -> str:
+    return situation.correction.rule if situation.correction is not None else "a fresh grasp"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    if isinstance(value, tuple):
+        return "(" + ", ".join(f"{float(v):.3g}" for v in value) + ")"
+    return str(value)

@@ -1,0 +1,71 @@
+"""Where conversations are kept: SQLite for threads, memory without; and which of our types a checkpoint may hold."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from kb.errors import EnvironmentFaultError
+
+TYPES: tuple[tuple[str, str], ...] = (
+    ("agent.attempt", "Attempt"),
+    ("agent.attempt", "Held"),
+    ("agent.goal", "Goal"),
+    ("kb.constraint", "Constraints"),
+    ("kb.experience", "Retrieval"),
+    ("kb.percept", "Percept"),
+    ("kb.scene_graph", "SceneGraph"),
+    ("kb.sensing", "CameraEvidence"),
+    ("kb.sensing", "Correction"),
+    ("kb.sensing", "Plan"),
+    ("kb.sensing", "Sensing"),
+    ("memory.episodic", "EpisodicMemory"),
+    ("tools.classify_failure", "Diagnosis"),
+)
+"""The types that stand in the state; everything inside them is plain data that pydantic validates again."""
+
+
+def serializer() -> Any:
+    """The serializer of checkpoints: LangGraph's, allowed to bring back our types and no others."""
+    from langgraph.checkpoint.serde.jsonplus import JsonPlusSerializer
+
+    return JsonPlusSerializer(allowed_msgpack_modules=[*TYPES])
+
+
+def default_threads() -> Path:
+    """The file that keeps threads: `$RAGVLM_HOME` or the user's data folder."""
+    home = os.environ.get("RAGVLM_HOME")
+    if home:
+        return Path(home) / "threads.sqlite"
+    base = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
+    return Path(base) / "ragvlm" / "threads.sqlite"
+
+
+def memory_saver() -> Any:
+    """A checkpointer that forgets with the process."""
+    from langgraph.checkpoint.memory import InMemorySaver
+
+    return InMemorySaver(serde=serializer())
+
+
+def sqlite_saver(path: Path) -> Any:
+    """A checkpointer on disk; every step is on it before the next one begins.
+
+    Raises:
+        EnvironmentFaultError: the folder cannot be written, or the file is no database.
+    """
+    import sqlite3
+
+    from langgraph.checkpoint.sqlite import SqliteSaver
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        connection = sqlite3.connect(str(path), check_same_thread=False, timeout=30.0)
+        saver = SqliteSaver(connection, serde=serializer())
+        saver.setup()
+    except (OSError, sqlite3.Error) as error:
+        raise EnvironmentFaultError(
+            f"cannot keep threads in {path}: {error}", mend="set RAGVLM_HOME to a folder that can be written"
+        ) from error
+    return saver

@@ -1,0 +1,69 @@
+"""What is injected into every node and never checkpointed: tools, brain, world, clock, and who listens."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from agent.brain import Brain
+from agent.draws import draws
+from agent.events import BaseStep
+from agent.world_handle import WatchedRobot, WorldHandle
+from kb.switches import Switches
+from kb.vocabulary import FailureType
+from memory import EpisodicMemory
+from tools.context import ToolContext
+
+
+@dataclass
+class AgentContext:
+    """Run-scoped dependencies of the nodes."""
+
+    tools: ToolContext
+    brain: Brain
+    world: WorldHandle
+    scene: str = ""
+    """Scene as it was asked for: a built-in name or a path."""
+    seed: int = 0
+    start_memory: EpisodicMemory | None = None
+    """Episodic memory from earlier sessions."""
+    approve: bool = False
+    """Ask before every motion (LangGraph interrupt)."""
+    dry_run: bool = False
+    """Understand, look and plan; move nothing."""
+    emit: Callable[[BaseStep], None] = field(default=lambda _step: None)
+    """Told every step as it happens."""
+    clock: Callable[[], float] = time.perf_counter
+    oracle_failure: Callable[[int], FailureType | None] | None = None
+    """Only for the configuration `oracle_phi`: the evaluator's own label of a motion."""
+
+    @property
+    def switches(self) -> Switches:
+        """Which components are live."""
+        return self.tools.switches
+
+    def tool(self, purpose: str, count: int) -> ToolContext:
+        """The tool context for one call; its draws follow from the seed, the purpose and the count alone."""
+        return self.tools.with_rng(draws(self.seed, purpose, count))
+
+    @contextmanager
+    def timed(self, stage: str, times: dict[str, float]) -> Iterator[None]:
+        """Adds the wall time of a block to `times[stage]` [s]."""
+        start = self.clock()
+        try:
+            yield
+        finally:
+            times[stage] = times.get(stage, 0.0) + self.clock() - start
+
+    def pictures(self) -> tuple[str, ...]:
+        """Content hashes of the last look's pictures."""
+        return self.tools.robot.hashes() if isinstance(self.tools.robot, WatchedRobot) else ()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether a person has pressed stop and not released it."""
+        switch: Any = self.tools.stop
+        return bool(switch is not None and switch.pressed)

@@ -1,0 +1,58 @@
+"""The task graph: wiring only. Nodes are in `agent.nodes`, decisions in `agent.routing`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from langgraph.graph import StateGraph
+
+from agent import nodes, routing
+from agent.context import AgentContext
+from agent.simulate import simulate
+from agent.state import State
+
+
+def wire() -> StateGraph[State, AgentContext, State, State]:
+    """The graph before compilation."""
+    graph = StateGraph(State, context_schema=AgentContext)
+    for node in (
+        nodes.understand, nodes.look, nodes.ground, nodes.retrieve, nodes.build_graph, nodes.constrain, nodes.remove_first,
+        nodes.choose, nodes.plan, nodes.look_once_more, nodes.think, nodes.rehearse, nodes.approve, nodes.act,
+        nodes.look_after, nodes.observe, nodes.reflect, nodes.remember, nodes.place, nodes.give_up, nodes.conclude,
+        nodes.answer, simulate,
+    ):  # fmt: skip
+        graph.add_node(node.__name__, node)
+    graph.set_entry_point("understand")
+    graph.add_conditional_edges("understand", routing.after_understand)
+    graph.add_edge("look", "ground")
+    graph.add_conditional_edges("ground", routing.after_ground)
+    graph.add_conditional_edges("retrieve", routing.after_retrieve)
+    graph.add_conditional_edges("build_graph", routing.after_graph)
+    graph.add_conditional_edges("constrain", routing.after_constrain)
+    graph.add_edge("remove_first", "ground")
+    graph.add_conditional_edges("choose", routing.go_on)
+    graph.add_conditional_edges("plan", routing.after_plan)
+    graph.add_edge("look_once_more", "look")
+    graph.add_conditional_edges("think", routing.after_think)
+    graph.add_conditional_edges("rehearse", routing.go_on)
+    graph.add_conditional_edges("approve", routing.after_approve)
+    graph.add_edge("act", "observe")
+    graph.add_conditional_edges("observe", routing.after_observe)
+    graph.add_edge("look_after", "observe")
+    graph.add_conditional_edges("reflect", routing.after_reflect)
+    graph.add_conditional_edges("remember", routing.after_remember)
+    graph.add_conditional_edges("place", routing.go_on)
+    graph.add_conditional_edges("give_up", routing.go_on)
+    graph.add_conditional_edges("conclude", routing.go_on)
+    graph.add_conditional_edges("simulate", routing.go_on)
+    graph.add_conditional_edges("answer", routing.at_the_end)
+    return graph
+
+
+def compile_graph(checkpointer: Any = None) -> Any:
+    """The compiled graph.
+
+    Args:
+        checkpointer: a LangGraph checkpointer, or None where the server brings its own.
+    """
+    return wire().compile(checkpointer=checkpointer, name="ragvlm")

@@ -1,0 +1,270 @@
+"""Stage 2: from references to perceived objects, for the goal in work and, before anything moves, for all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from agent import events
+from agent.agenda import changed, finish, fresh, push, put_back
+from agent.goal import Goal, Placement, Reference
+from agent.ladder import MAX_RELOOKS
+from agent.language.resolve import Resolution, Scope, describe, listing, resolve, spoken
+from agent.state import State, Update
+from kb.percept import PerceivedObject, Percept
+
+SAME_PLACE = 0.15
+"""An object of the same category within this distance of where the target was is taken to be the target [m]."""
+
+
+@dataclass(frozen=True)
+class Grounded:
+    """The update of the state, and the steps to tell."""
+
+    update: Update
+    steps: tuple[events.BaseStep, ...] = ()
+
+
+def ground_goals(state: State) -> Grounded:
+    """Grounds the goal in work; on the turn's first look every goal's reference is checked first."""
+    percept, goal = state.percept, state.goal
+    assert percept is not None
+    if not any(g.status != "open" or g.target for g in state.goals):
+        refused = _refusal(state, percept)
+        if refused is not None:
+            return refused
+    if goal.target is not None and goal.kind in ("pick", "place"):
+        return _again(state, percept)
+    if goal.kind in ("pick", "place"):
+        return _thing(state, percept)
+    if goal.kind in ("clear", "sort"):
+        return _many(state, percept)
+    return _asked(state, percept)
+
+
+def scope_of(state: State) -> Scope:
+    """What references are resolved in."""
+    assert state.percept is not None
+    return Scope(percept=state.percept, held=state.held.object if state.held else None, last=state.last_target)
+
+
+def _refusal(state: State, percept: Percept) -> Grounded | None:
+    """The first goal whose thing (or place) is absent or ambiguous: then nothing moves at all."""
+    scope = scope_of(state)
+    for index, goal in enumerate(state.goals):
+        for reference in (goal.reference, goal.placement.reference if goal.placement else None):
+            if reference is None or not goal.moves or _later(reference, index):
+                continue
+            got = resolve(reference, scope) if not _only_place(reference) else Resolution(ids=("",))
+            if not got.ids:
+                return _say(state, got.problem or "I see nothing like that.")
+            if goal.kind in ("pick", "place") and len(got.ids) > 1:
+                if reference is goal.reference and reference.plural:
+                    if goal.placement is not None and goal.placement.kind == "bin":
+                        return _several(state, index, got, percept)
+                    return _say(state, f"I can hold only one thing at a time. Which one: {_choices(got, percept)[0]}?")
+                return _ask(state, index, reference, got, percept)
+    return None
+
+
+def _later(reference: Reference, index: int) -> bool:
+    """A pronoun in a later clause means what the clause before dealt with."""
+    return index > 0 and (reference.pronoun or reference.other)
+
+
+def _only_place(reference: Reference) -> bool:
+    """As a destination "between A and B" has no thing of its own."""
+    return reference.noun is None and reference.relation is not None
+
+
+def _say(state: State, text: str) -> Grounded:
+    update = Update(refused=True, answer=text, agenda=(), goals=_failed(state, text))
+    return Grounded(update, (events.Grounding(text=text, goal=state.current),))
+
+
+def _failed(state: State, note: str) -> tuple[Goal, ...]:
+    return tuple(
+        g.model_copy(update={"status": "failed", "note": note}) if g.status == "open" else g for g in state.goals
+    )
+
+
+def _choices(got: Resolution, percept: Percept) -> tuple[str, tuple[str, ...]]:
+    things = [obj for obj in percept.objects if obj.id in got.ids]
+    names = tuple(describe(obj, percept.objects) for obj in things)
+    return (", ".join(names[:-1]) + " or " + names[-1] if len(names) > 1 else names[0] if names else ""), names
+
+
+def _ask(state: State, index: int, reference: Reference, got: Resolution, percept: Percept) -> Grounded:
+    """Asks back which one is meant, and remembers what the question was about."""
+    text, names = _choices(got, percept)
+    question = f"Which one do you mean by {spoken(reference)}: {text}?"
+    update = Update(
+        refused=True, answer=question, question=question, agenda=(), goals=_failed(state, "asked back"),
+        pending=state.goals[index],
+    )  # fmt: skip
+    return Grounded(update, (events.Grounding(text=f"{len(names)} objects fit.", goal=state.current),))
+
+
+def _several(state: State, index: int, got: Resolution, percept: Percept) -> Grounded:
+    """For "put the blocks in the bin": a clear goal for exactly these objects."""
+    goal = state.goals[index]
+    assert goal.reference is not None
+    ids = got.ids[: goal.reference.count] if goal.reference.count else got.ids
+    if goal.reference.count and len(got.ids) < goal.reference.count:
+        return _say(state, f"I see only {len(got.ids)} of them: {_choices(got, percept)[0]}.")
+    clear = Goal(kind="clear", reference=goal.reference.model_copy(update={"ids": ids}), placement=goal.placement)
+    goals = (*state.goals[:index], clear, *state.goals[index + 1 :])
+    names = _choices(Resolution(ids=ids), percept)[0].replace(" or ", " and ")
+    return Grounded(Update(goals=goals), (events.Grounding(text=f"That is {names}.", goal=index),))
+
+
+def _thing(state: State, percept: Percept) -> Grounded:
+    """The object of a pick or place goal."""
+    goal, scope = state.goal, scope_of(state)
+    assert goal.reference is not None
+    got = resolve(goal.reference, scope)
+    if not got.clear:
+        if not got.ids:
+            return _over(state, got.problem or "I do not see it.")
+        return _ask(state, state.agenda[-1], goal.reference, got, percept)
+    obj = next(o for o in scope.objects if o.id == got.ids[0])
+    held = state.held
+    if held is not None and obj.id != held.object.id:
+        back = put_back(held.object.id, held.category).model_copy(update={"target": held.object.id})
+        text = f"My hand is not free: first I put the {held.category.replace('_', ' ')} back."
+        return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
+    if held is None and goal.placement is not None and goal.placement.kind == "back" and goal.parent is None:
+        return _over(state, "There is nothing in my hand that I could put back.")
+    placement, problem = _destination(goal.placement, scope)
+    if problem is not None:
+        return _over(state, problem)
+    said = goal.reference.categories
+    grounded = goal.model_copy(
+        update={
+            "target": obj.id,
+            "target_category": obj.category if obj.category in said or len(said) != 1 else said[0],
+            "target_position": obj.position,
+            "placement": placement,
+            "note": got.note,
+        }
+    )
+    text = f"{spoken(goal.reference).capitalize()} is {describe(obj, percept.objects)} ({obj.id})."
+    text += f" {got.note}" if got.note else ""
+    step = events.Grounding(text=text, goal=state.current, target=obj.id)
+    return Grounded(Update(goals=changed(state, grounded), last_target=obj.id), (step,))
+
+
+def _destination(placement: Placement | None, scope: Scope) -> tuple[Placement | None, str | None]:
+    """The placement with its reference grounded, or what is wrong with it."""
+    if placement is None or placement.reference is None:
+        return placement, None
+    reference = placement.reference
+    if _only_place(reference) and reference.relation is not None:
+        reference = reference.relation.others[0]
+    got = resolve(reference, scope)
+    if not got.ids:
+        return None, got.problem
+    return placement.model_copy(update={"target": got.ids[0]}), None
+
+
+def _over(state: State, text: str) -> Grounded:
+    """The goal in work cannot be done; if nothing has moved yet this is the answer, too."""
+    update = finish(state, claimed=False, note=text)
+    if not state.executed:
+        update = Update(**{**update, "refused": True, "answer": text, "agenda": ()})
+    return Grounded(update, (events.Grounding(text=text, goal=state.current),))
+
+
+def _again(state: State, percept: Percept) -> Grounded:
+    """The target after another look: the same id, or the thing of its kind near where it was."""
+    goal = state.goal
+    held = state.held
+    if held is not None and held.object.id == goal.target:
+        return Grounded(Update())
+    if held is not None:
+        back = put_back(held.object.id, held.category).model_copy(update={"target": held.object.id})
+        text = f"My hand is not free: first I put the {held.category.replace('_', ' ')} back."
+        return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
+    if any(obj.id == goal.target for obj in percept.objects):
+        return Grounded(Update())
+    found = _nearest_like(goal, percept)
+    if found is not None:
+        renamed = goal.model_copy(update={"target": found.id})
+        text = f"The object now called {found.id} is the one I mean."
+        step = events.Grounding(text=text, goal=state.current, target=found.id)
+        return Grounded(Update(goals=changed(state, renamed), last_target=found.id), (step,))
+    if state.relooks < MAX_RELOOKS:
+        step = events.Grounding(text="I do not see it any more. I look again.", goal=state.current)
+        return Grounded(Update(relooks=state.relooks + 1, stale=True), (step,))
+    text = f"It is no longer on the table. I see {listing(percept.objects)}."
+    return Grounded(finish(state, claimed=False, note=text), (events.Grounding(text=text, goal=state.current),))
+
+
+def _nearest_like(goal: Goal, percept: Percept) -> PerceivedObject | None:
+    if goal.target_position is None:
+        return None
+    x, y = goal.target_position[0], goal.target_position[1]
+    taken = {goal.target}
+    like = [
+        obj
+        for obj in percept.objects
+        if obj.id not in taken
+        and (obj.category == goal.target_category or goal.target_category in obj.posterior)
+        and (obj.category == goal.target_category or obj.posterior[goal.target_category or ""] > 0.1)
+        and ((obj.position[0] - x) ** 2 + (obj.position[1] - y) ** 2) ** 0.5 < SAME_PLACE
+    ]
+    return min(like, key=lambda o: (o.position[0] - x) ** 2 + (o.position[1] - y) ** 2, default=None)
+
+
+def _many(state: State, percept: Percept) -> Grounded:
+    """Clear and sort: fixes once which objects are meant and, for a sort, their order."""
+    goal = state.goal
+    if state.held is not None:
+        held = state.held
+        back = put_back(held.object.id, held.category).model_copy(update={"target": held.object.id})
+        step = events.SubGoal(text="My hand is not free: first I put that back.", goal=state.current, pushed=back)
+        return Grounded(push(state, back), (step,))
+    if goal.reference is not None and goal.reference.ids:
+        return Grounded(Update())
+    reference = goal.reference or Reference(words="everything", noun="everything", plural=True)
+    got = resolve(reference, scope_of(state))
+    if not got.ids:
+        return _over(state, got.problem or "There is nothing to do.")
+    ids = got.ids
+    if goal.kind == "sort":
+        key = {"fragility": _fragility, "size": _size, "weight": _weight}[goal.measure or "fragility"]
+        order = sorted((percept.object(i) for i in ids), key=lambda o: (key(o), o.id), reverse=goal.descending)
+        ids = tuple(obj.id for obj in order)
+    fixed = goal.model_copy(update={"reference": reference.model_copy(update={"ids": ids, "plural": True})})
+    names = ", ".join(percept.object(i).category.replace("_", " ") for i in ids)
+    text = f"In this order, from right to left: {names}." if goal.kind == "sort" else f"That is: {names}."
+    return Grounded(Update(goals=changed(state, fixed), **fresh()), (events.Grounding(text=text, goal=state.current),))
+
+
+def _fragility(obj: PerceivedObject) -> float:
+    return obj.affordance.fragility
+
+
+def _size(obj: PerceivedObject) -> float:
+    return obj.size[0] * obj.size[1] * obj.size[2]
+
+
+def _weight(obj: PerceivedObject) -> float:
+    return sum(obj.mass) / 2
+
+
+def _asked(state: State, percept: Percept) -> Grounded:
+    """What a question is about; that it is absent is an answer, not a refusal, except to where it is."""
+    goal = state.goal
+    if goal.reference is None:
+        return Grounded(Update())
+    got = resolve(goal.reference, scope_of(state))
+    target = got.ids[0] if got.ids else None
+    grounded = goal.model_copy(
+        update={
+            "target": target,
+            "reference": goal.reference.model_copy(update={"ids": got.ids}) if got.ids else goal.reference,
+            "note": got.problem or got.note,
+        }
+    )
+    del percept
+    return Grounded(Update(goals=changed(state, grounded), last_target=target or state.last_target))

@@ -1,0 +1,54 @@
+"""What the robot cannot do, and says so: two arms, pouring, more than 3 kg, and verbs beyond picking and placing."""
+
+from __future__ import annotations
+
+import re
+
+from agent.language import lexicon
+
+MAX_PAYLOAD = 3.0
+"""Payload of the Panda [kg] (Franka Emika datasheet)."""
+
+TWO_ARMS = re.compile(
+    r"\b(?:both|two|2|three|your other) (?:of your )?(?:hands|arms|grippers|robots|arm|hand)\b|\bbimanual|\bother (?:arm|hand|gripper)\b|"
+    r"\b(?:at the same time|simultaneously|at once|in parallel)\b.*\b(?:and|both|two)\b|\b(?:and|both|two)\b.*"
+    r"\b(?:at the same time|simultaneously|at once|in parallel)\b|\btwo at a time\b|\bsecond arm\b"
+)
+WEIGHT = re.compile(r"(\d+(?:\.\d+)?)\s*(kg|kilo(?:gram)?s?|kilograms?|tons?|tonnes?|lbs?|pounds?|g|grams?)\b")
+TO_KG = {"k": 1.0, "t": 1000.0, "l": 0.4536, "p": 0.4536, "g": 0.001}
+POUR = re.compile(
+    r"\b(?:pour|decant|refill|tip out|spill|sprinkle)\b|\bfill (?:up )?(?:the|a|my|it|this|that)\b|\bempty (?:the|a|my|it) .*\b(?:into|in|out)\b"
+    r"|\bempty (?:the|this|that|my) (?:cup|mug|bowl|bottle|glass|vase)\b|\b(?:make|serve|brew) (?:me |a |some )*(?:tea|coffee|juice|water)\b"
+)
+UNABLE = re.compile(
+    r"^(?:(?:please|just|then|now|and) )*(?P<verb>"
+    + "|".join(sorted(lexicon.UNABLE, key=len, reverse=True))
+    + r")\b (?P<rest>.+)$"
+)
+OFF_TABLE = re.compile(
+    r"\b(?:on|onto|off|to|over|from) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa)\b"
+)
+
+
+def refuse(line: str) -> str | None:
+    """Why the robot will not do it, or None.
+
+    Args:
+        line: cleaned and mended tokens joined by spaces.
+    """
+    if TWO_ARMS.search(line):
+        return "I have one arm with one gripper: I can hold one thing at a time, so I cannot do that with two at once."
+    for amount, unit in WEIGHT.findall(line):
+        mass = float(amount) * TO_KG[unit[0]]
+        if mass > MAX_PAYLOAD:
+            return f"I can carry at most {MAX_PAYLOAD:g} kg; {mass:g} kg is too heavy for this arm."
+    if POUR.search(line):
+        return "I cannot pour or fill: I only pick things up and put them down, upright if something is in them."
+    found = UNABLE.match(line)
+    if found:
+        return (
+            f"I cannot {found['verb']} things. I can pick them up, hand them over, put them somewhere, clear and sort."
+        )
+    if OFF_TABLE.search(line):
+        return "I only reach the table and the bin beside it, so I cannot put anything there."
+    return None

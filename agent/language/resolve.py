@@ -1,0 +1,357 @@
+"""Which of the perceived objects a reference means: one, several (to be asked), or none (to be said)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from agent.goal import Extreme, Reference, RelationWord
+from agent.language import lexicon
+from kb.base import Noun
+from kb.percept import PerceivedObject, Percept
+from kb.vocabulary import UNKNOWN_CATEGORY
+
+POSSIBLE = 0.10
+"""Posterior from which a category may be what the person calls the object by."""
+NEAR = 0.20
+"""Surface distance within which things are "next to" each other [m]; the nearest counts where several are."""
+NOTICEABLE = 1.15
+"""Ratio of sizes (or masses) from which one of two things is "the big one"."""
+CLEARLY = 0.015
+"""Distance by which something lies to the left, in front ... of something else [m]."""
+
+
+class Resolution(Noun):
+    """What a reference means in what is seen."""
+
+    ids: tuple[str, ...] = ()
+    """Exactly one for a thing that is clear, several for an ambiguous one or a plural, none for an absent one."""
+    note: str = ""
+    """What should be said along ("I take the object I don't recognise to be the teapot")."""
+    problem: str | None = None
+    """Why nothing fits."""
+
+    @property
+    def clear(self) -> bool:
+        """Exactly one object is meant."""
+        return len(self.ids) == 1
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What a reference is resolved in."""
+
+    percept: Percept
+    held: PerceivedObject | None = None
+    last: str | None = None
+    """Perceived id of what was dealt with last."""
+
+    @property
+    def objects(self) -> tuple[PerceivedObject, ...]:
+        """Everything seen, and what is held."""
+        held = () if self.held is None or any(o.id == self.held.id for o in self.percept.objects) else (self.held,)
+        return (*self.percept.objects, *held)
+
+
+def resolve(reference: Reference, scope: Scope) -> Resolution:
+    """The objects that `reference` may mean."""
+    if reference.ids:
+        present = tuple(i for i in reference.ids if any(o.id == i for o in scope.objects))
+        return Resolution(ids=present, problem=None if present else f"I no longer see {spoken(reference)}.")
+    if reference.pronoun and not reference.noun:
+        return _pronoun(scope)
+    if not scope.objects:
+        return Resolution(problem="I see nothing on the table.")
+    found, note = _by_noun(reference, scope)
+    if not found:
+        return Resolution(problem=absent(reference, scope))
+    for keep in (_colour, _material, _state, _excluding, _other):
+        found = keep(reference, found, scope)
+        if not found:
+            return Resolution(problem=absent(reference, scope))
+    if reference.relation is not None:
+        found, problem = _related(reference, found, scope)
+        if not found:
+            return Resolution(problem=problem or absent(reference, scope))
+    if reference.plural and reference.extreme is None and reference.ordinal is None and reference.side is None:
+        return Resolution(ids=tuple(o.id for o in found), note=note)
+    found = _single_out(reference, found)
+    if not found:
+        return Resolution(problem=absent(reference, scope))
+    if len(found) > 1 and reference.anyone:
+        found = [min(found, key=lambda o: (math.hypot(o.position[0], o.position[1]), o.id))]
+    return Resolution(ids=tuple(o.id for o in found), note=note)
+
+
+def _pronoun(scope: Scope) -> Resolution:
+    if scope.held is not None:
+        return Resolution(ids=(scope.held.id,))
+    if scope.last is not None and any(o.id == scope.last for o in scope.objects):
+        return Resolution(ids=(scope.last,))
+    if len(scope.objects) == 1:
+        return Resolution(ids=(scope.objects[0].id,))
+    return Resolution(problem="I don't know what you mean by that: nothing was spoken of yet.")
+
+
+def _by_noun(reference: Reference, scope: Scope) -> tuple[list[PerceivedObject], str]:
+    """Objects whose category posterior allows the noun; else the single unknown one, with a note."""
+    objects = list(scope.objects)
+    if not reference.categories and reference.known:
+        return objects, ""
+    wanted = set(reference.categories)
+    if reference.known:
+        sure = [o for o in objects if o.category in wanted]
+        if sure:
+            return sure, ""
+        maybe = [o for o in objects if sum(o.posterior.get(c, 0.0) for c in wanted) >= POSSIBLE]
+        if maybe:
+            best = max(maybe, key=lambda o: sum(o.posterior.get(c, 0.0) for c in wanted))
+            name = best.category.replace("_", " ")
+            return maybe, "" if len(
+                maybe
+            ) > 1 else f"It looks more like a {name} to me, but it may be {_article(reference)}."
+        loose = set(lexicon.LOOSE.get(reference.noun or "", ()))
+        akin = [o for o in objects if o.category in loose]
+        if akin:
+            return akin, f"I take the {akin[0].category.replace('_', ' ')} to be what you mean by {spoken(reference)}."
+    unknown = [o for o in objects if o.category == UNKNOWN_CATEGORY]
+    if len(unknown) == 1:
+        return unknown, f"I don't recognise one object; I take it to be {spoken(reference)}."
+    return unknown, ""
+
+
+def _article(reference: Reference) -> str:
+    noun = reference.noun or "one"
+    return ("an " if noun[0] in "aeiou" else "a ") + noun
+
+
+def _colour(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
+    del scope
+    if reference.colour is None:
+        return found
+    for name in (names := lexicon.COLOURS[reference.colour]):
+        exact = [o for o in found if o.colour_name == name]
+        if exact and (name == names[0] or _neighbouring(exact, reference.colour)):
+            return exact
+    return []
+
+
+_HUES = {
+    "red": (1.0, 0.0, 0.0), "orange": (1.0, 0.55, 0.1), "yellow": (1.0, 0.9, 0.1), "green": (0.2, 0.7, 0.2),
+    "turquoise": (0.2, 0.8, 0.75), "blue": (0.15, 0.3, 0.9), "purple": (0.55, 0.2, 0.75), "pink": (1.0, 0.5, 0.7),
+    "brown": (0.5, 0.32, 0.18), "white": (0.95, 0.95, 0.95), "grey": (0.5, 0.5, 0.5), "black": (0.05, 0.05, 0.05),
+}  # fmt: skip
+NEIGHBOURING = 0.45
+"""Distance in colour (RGB in [0, 1]) up to which a neighbouring colour name passes for the one that was said."""
+
+
+def _neighbouring(found: list[PerceivedObject], said: str) -> bool:
+    """Whether the measured colour is so near the said one that another name is a matter of taste."""
+    ideal = _HUES.get(lexicon.COLOURS[said][0])
+    return ideal is not None and any(math.dist(o.colour, ideal) < NEIGHBOURING for o in found)
+
+
+def _material(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
+    """Material is a guess of perception: it chooses between things, but a single thing called by its name passes."""
+    del scope
+    if reference.material is None:
+        return found
+    made = [
+        o
+        for o in found
+        if o.affordance.material == reference.material or (reference.material == "glass" and o.transparent)
+    ]
+    named = bool(reference.categories)
+    return made or (found if named and len(found) == 1 else [])
+
+
+def _state(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
+    del scope
+    if reference.state is None:
+        return found
+    fits = [o for o in found if (o.state == "filled") == (reference.state == "filled")]
+    return fits or (found if len(found) == 1 and reference.categories else [])
+
+
+def _excluding(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
+    for refused in reference.excluding:
+        pool = Scope(percept=scope.percept.model_copy(update={"objects": tuple(found)}), last=scope.last)
+        out = set(resolve(refused.model_copy(update={"plural": True}), pool).ids)
+        found = [o for o in found if o.id not in out]
+    return found
+
+
+def _other(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
+    if not reference.other or scope.last is None:
+        return found
+    return [o for o in found if o.id != scope.last and (scope.held is None or o.id != scope.held.id)]
+
+
+def surface_gap(a: PerceivedObject, b: PerceivedObject) -> float:
+    """Horizontal distance between the footprints' circles [m]."""
+    apart = math.hypot(a.position[0] - b.position[0], a.position[1] - b.position[1])
+    return max(0.0, apart - (a.size[0] + a.size[1]) / 4 - (b.size[0] + b.size[1]) / 4)
+
+
+def _related(
+    reference: Reference, found: list[PerceivedObject], scope: Scope
+) -> tuple[list[PerceivedObject], str | None]:
+    assert reference.relation is not None
+    relation = reference.relation.relation
+    anchors: list[PerceivedObject] = []
+    by_id = {o.id: o for o in scope.objects}
+    for other in reference.relation.others:
+        got = resolve(other, scope)
+        if not got.ids:
+            return [], got.problem
+        anchors += [by_id[i] for i in got.ids]
+    rest = [o for o in found if all(o.id != a.id for a in anchors)]
+    if relation == "between" and len(anchors) >= 2:
+        return [o for o in rest if _between(o, anchors[0], anchors[1])], None
+    holds = _HOLDS[relation]
+    best: list[PerceivedObject] = []
+    for anchor in anchors:
+        fits = [o for o in rest if holds(o, anchor)]
+        best += [o for o in fits if o not in best]
+    if relation in ("near", "nearest_to") and len(best) > 1 and not reference.plural:
+        nearest = min(best, key=lambda o: min(surface_gap(o, a) for a in anchors))
+        return [nearest], None
+    return best, None
+
+
+_HOLDS: dict[RelationWord, Callable[[PerceivedObject, PerceivedObject], bool]] = {
+    "near": lambda o, a: surface_gap(o, a) <= NEAR,
+    "nearest_to": lambda o, a: True,
+    "touching": lambda o, a: surface_gap(o, a) <= 0.015,
+    "left_of": lambda o, a: o.position[1] > a.position[1] + CLEARLY,
+    "right_of": lambda o, a: o.position[1] < a.position[1] - CLEARLY,
+    "behind": lambda o, a: o.position[0] > a.position[0] + CLEARLY and surface_gap(o, a) <= 2 * NEAR,
+    "in_front_of": lambda o, a: o.position[0] < a.position[0] - CLEARLY and surface_gap(o, a) <= 2 * NEAR,
+    "on": lambda o, a: o.base_z > a.base_z + 0.005 and surface_gap(o, a) <= 0.02,
+    "under": lambda o, a: o.base_z < a.base_z - 0.005 and surface_gap(o, a) <= 0.02,
+    "in": lambda o, a: surface_gap(o, a) <= 0.0 and o.size[0] * o.size[1] < a.size[0] * a.size[1],
+    "between": lambda o, a: surface_gap(o, a) <= NEAR,
+}
+"""Whether an object stands in a relation to an anchor; left is the robot's left (+y), behind is farther from it."""
+
+
+def _between(o: PerceivedObject, a: PerceivedObject, b: PerceivedObject) -> bool:
+    ax, ay, bx, by = a.position[0], a.position[1], b.position[0], b.position[1]
+    length = (bx - ax) ** 2 + (by - ay) ** 2
+    if length < 1e-6:
+        return False
+    t = ((o.position[0] - ax) * (bx - ax) + (o.position[1] - ay) * (by - ay)) / length
+    off = math.hypot(o.position[0] - ax - t * (bx - ax), o.position[1] - ay - t * (by - ay))
+    return 0.1 < t < 0.9 and off < 0.10
+
+
+_MEASURE: dict[Extreme, Callable[[PerceivedObject], float]] = {
+    "biggest": lambda o: o.size[0] * o.size[1] * o.size[2],
+    "smallest": lambda o: -(o.size[0] * o.size[1] * o.size[2]),
+    "tallest": lambda o: max(o.size),
+    "shortest": lambda o: -max(o.size),
+    "widest": lambda o: o.size[0] * o.size[1],
+    "thinnest": lambda o: -o.size[1],
+    "heaviest": lambda o: sum(o.mass),
+    "lightest": lambda o: -sum(o.mass),
+    "most_fragile": lambda o: o.affordance.fragility,
+    "least_fragile": lambda o: -o.affordance.fragility,
+    "leftmost": lambda o: o.position[1],
+    "rightmost": lambda o: -o.position[1],
+    "nearest": lambda o: -math.hypot(o.position[0], o.position[1]),
+    "farthest": lambda o: math.hypot(o.position[0], o.position[1]),
+    "middle": lambda o: 0.0,
+}
+_QUALITY: dict[str, Extreme] = {
+    "big": "biggest", "small": "smallest", "tall": "tallest", "short": "shortest", "fragile": "most_fragile",
+    "heavy": "heaviest", "light": "lightest",
+}  # fmt: skip
+_SIDE: dict[str, Extreme] = {"left": "leftmost", "right": "rightmost", "front": "nearest", "back": "farthest"}
+
+
+def _single_out(reference: Reference, found: list[PerceivedObject]) -> list[PerceivedObject]:
+    """Superlatives, ordinals, sides and gradable adjectives."""
+    if reference.side is not None and len(found) > 1:
+        found = [_middle(found)] if reference.side == "middle" else [_extreme(_SIDE[reference.side], found)]
+    if reference.extreme is not None and len(found) > 1:
+        return [_middle(found)] if reference.extreme == "middle" else [_extreme(reference.extreme, found)]
+    if reference.ordinal is not None:
+        order = sorted(found, key=_ordinal_key(reference.ordinal_from))
+        index = reference.ordinal - 1 if reference.ordinal > 0 else reference.ordinal
+        return [order[index]] if -len(order) <= index < len(order) else []
+    if reference.quality is not None and len(found) > 1:
+        key = _MEASURE[_QUALITY[reference.quality]]
+        order = sorted(found, key=key, reverse=True)
+        first, second = abs(key(order[0])), abs(key(order[1]))
+        clear = max(first, second) >= NOTICEABLE * min(first, second) and first != second
+        return order[:1] if clear else found
+    return found
+
+
+def _extreme(extreme: Extreme, found: list[PerceivedObject]) -> PerceivedObject:
+    return max(found, key=_MEASURE[extreme])
+
+
+def _middle(found: list[PerceivedObject]) -> PerceivedObject:
+    order = sorted(found, key=lambda o: o.position[1])
+    return order[len(order) // 2]
+
+
+def _ordinal_key(side: str) -> Callable[[PerceivedObject], float]:
+    keys: dict[str, Callable[[PerceivedObject], float]] = {
+        "left": lambda o: -o.position[1],
+        "right": lambda o: o.position[1],
+        "front": lambda o: o.position[0],
+        "back": lambda o: -o.position[0],
+    }
+    return keys[side]
+
+
+def spoken(reference: Reference) -> str:
+    """The reference as one would say it back."""
+    if reference.pronoun:
+        return "it"
+    if reference.noun and reference.words.split()[:1] not in (["the"], ["a"], ["an"], ["my"], ["any"]):
+        return f"the {reference.words}" if reference.words else f"the {reference.noun}"
+    words = reference.words or reference.noun or "that"
+    return "the " + words.split(" ", 1)[1] if words.split()[0] in ("a", "an", "any", "my") and " " in words else words
+
+
+def describe(obj: PerceivedObject, among: tuple[PerceivedObject, ...] = ()) -> str:
+    """A name that tells the object from the others: "the red cup", "the red cup on the left"."""
+    name = "object I don't recognise" if obj.category == UNKNOWN_CATEGORY else obj.category.replace("_", " ")
+    alike = [o for o in among if o.category == obj.category and o.id != obj.id]
+    coloured = f"{obj.colour_name} {name}"
+    if obj.category == UNKNOWN_CATEGORY:
+        coloured = f"{obj.colour_name} {name}"
+    same = [o for o in alike if o.colour_name == obj.colour_name]
+    if not same:
+        return f"the {coloured}"
+    order = sorted([obj, *same], key=lambda o: -o.position[1])
+    place = order.index(obj)
+    if len(order) == 2:
+        return f"the {coloured} on the {'left' if place == 0 else 'right'}"
+    names = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")
+    return f"the {names[min(place, 8)]} {coloured} from the left"
+
+
+def listing(objects: tuple[PerceivedObject, ...]) -> str:
+    """As in "a red cup, a vase and an object I don't recognise"."""
+    names = [describe(o).removeprefix("the ") for o in sorted(objects, key=lambda o: -o.position[1])]
+    named = [("an " if n[0] in "aeiou" else "a ") + n for n in names]
+    if not named:
+        return "nothing"
+    return named[0] if len(named) == 1 else ", ".join(named[:-1]) + " and " + named[-1]
+
+
+def absent(reference: Reference, scope: Scope) -> str:
+    """Says that nothing fits, and what there is."""
+    unknown = [o for o in scope.objects if o.category == UNKNOWN_CATEGORY]
+    name = spoken(reference).removeprefix("the ")
+    hint = (
+        " I don't recognise several objects, so I can't tell which one it is."
+        if len(unknown) > 1 and reference.noun
+        else ""
+    )
+    return f"I see no {name}.{hint} I see {listing(scope.objects)}."

@@ -1,0 +1,270 @@
+"""Sentences about facts in the state: what was seen, retrieved, inferred, planned, done and sensed. No reasoning here."""
+
+from __future__ import annotations
+
+import math
+
+from agent.approval import Decision
+from agent.attempt import Attempt, Held
+from agent.goal import Goal, Understanding
+from agent.language.resolve import describe, listing, spoken
+from agent.state import State
+from kb.constraint import Constraints
+from kb.experience import Retrieval
+from kb.percept import PerceivedObject, Percept
+from kb.scene_graph import SceneGraph
+from kb.sensing import Plan, Sensing
+from kb.vocabulary import INVERSE
+
+PLACES = {
+    "bin": "in the bin", "back": "back where it was", "aside": "out of the way", "hand_over": "to you", "lane": "in its lane",
+}  # fmt: skip
+
+
+def sentence(text: str) -> str:
+    """The text with a capital letter and a full stop."""
+    text = text.strip()
+    if not text:
+        return ""
+    return text[0].upper() + text[1:] + ("" if text[-1] in ".?!" else ".")
+
+
+def plain(name: str) -> str:
+    """A category or constant in words."""
+    return name.replace("_", " ")
+
+
+def goal_words(goal: Goal) -> str:
+    """A goal as a person would say it."""
+    thing = spoken(goal.reference) if goal.reference else "it"
+    if goal.kind == "pick":
+        return f"hand over {thing}" if goal.placement else f"pick up {thing}"
+    if goal.kind == "place":
+        return f"put {thing} {place_words(goal)}"
+    if goal.kind == "clear":
+        return "clear the table"
+    if goal.kind == "sort":
+        return f"sort by {goal.measure}" + (", descending" if goal.descending else "")
+    return {"see": "say what I see", "where": f"find {thing}", "near": "say what is near"}.get(
+        goal.query or "", "answer"
+    )
+
+
+def place_words(goal: Goal) -> str:
+    """Where a thing goes, in words."""
+    placement = goal.placement
+    if placement is None:
+        return "down"
+    if placement.kind == "side":
+        return {"middle": "in the middle", "front": "at the front", "back": "at the back"}.get(
+            placement.side or "", f"on the {placement.side}"
+        )
+    if placement.kind in ("beside", "on") and placement.reference is not None:
+        relation = "on" if placement.kind == "on" else plain(placement.relation or "near").replace("near", "next to")
+        if placement.relation == "between":
+            return placement.reference.words
+        return f"{relation} {spoken(placement.reference)}"
+    return PLACES.get(placement.kind, "down")
+
+
+def understood(got: Understanding) -> str:
+    """The goals, or that there are none."""
+    if got.refusal or got.question:
+        return sentence(got.refusal or got.question or "")
+    return sentence(", then ".join(goal_words(goal) for goal in got.goals))
+
+
+def nouns(goals: tuple[Goal, ...]) -> tuple[str, ...]:
+    """Categories that the instruction speaks of."""
+    said = [c for goal in goals if goal.reference for c in goal.reference.categories]
+    return tuple(dict.fromkeys(said))
+
+
+def without_held(percept: Percept, held: Held | None) -> Percept:
+    """The percept without the thing in the hand, which the cameras see in the air."""
+    if held is None:
+        return percept
+    rest = tuple(obj for obj in percept.objects if obj.id != held.object.id)
+    return percept.model_copy(update={"objects": rest})
+
+
+def seen(percept: Percept) -> str:
+    """What a look shows."""
+    how = " (oracle: read from the truth)" if percept.perception == "oracle" else ""
+    return f"I see {listing(percept.objects)}{how}."
+
+
+def target_of(state: State) -> PerceivedObject:
+    """The target as perceived now."""
+    assert state.percept is not None
+    assert state.goal.target is not None
+    return state.percept.object(state.goal.target)
+
+
+def retrieved(got: Retrieval) -> str:
+    """The experiences and the funnel."""
+    best = got.best()
+    funnel = f"{got.funnel.total} > {got.funnel.level1} > {got.funnel.level2} > {got.funnel.level3}"
+    if best is None:
+        return f"No success among {len(got.top)} experiences (funnel {funnel})."
+    e = best.experience
+    return (
+        f"Best of {len(got.top)} experiences is {e.id}, a {plain(e.category)}: score {best.score:.2f}, "
+        f"{e.n_success} of {e.n_trials} trials succeeded (funnel {funnel})."
+    )
+
+
+def graphed(graph: SceneGraph, state: State) -> str:
+    """The relations of the target, each pair once."""
+    target = state.goal.target if state.agenda else None
+    names = {node.id: plain(node.category) for node in graph.nodes}
+    told: set[frozenset[str]] = set()
+    parts: list[str] = []
+    for edge in graph.edges:
+        pair = frozenset(
+            (edge.source, edge.target, *sorted((edge.relation, INVERSE.get(edge.relation, edge.relation))))
+        )
+        if (
+            target not in (None, edge.source)
+            or pair in told
+            or edge.relation in ("LEFT_OF", "RIGHT_OF", "ABOVE", "BELOW")
+        ):
+            continue
+        told.add(pair)
+        gap = f" ({edge.gap * 100:.0f} cm)" if edge.gap is not None else ""
+        parts.append(f"{names[edge.source]} {edge.relation} {names[edge.target]}{gap}")
+    return (
+        f"{len(graph.nodes)} objects, {len(graph.edges)} relations"
+        + (": " + "; ".join(parts[:6]) if parts else "")
+        + "."
+    )
+
+
+def constrained(constraints: Constraints) -> str:
+    """The active constraints with their reasons."""
+    if not constraints.active:
+        return "No constraint is active."
+    return " ".join(sentence(f"{c.kind}: {c.reason}") for c in constraints.active)
+
+
+def removal(sub: Goal, state: State) -> str:
+    """That something must go first."""
+    return (
+        f"The {plain(sub.target_category or 'object')} stands on the {_target_name(state)}, so I move it aside first."
+    )
+
+
+def _target_name(state: State) -> str:
+    return plain(state.goal.target_category or "object")
+
+
+def next_object(sub: Goal) -> str:
+    """Which object of a clear or sort comes next."""
+    return f"Next is the {plain(sub.target_category or 'object')}: {place_words(sub)}."
+
+
+def children(state: State) -> tuple[bool, str]:
+    """Whether all objects of a clear or sort were handled, and a note."""
+    parts = [goal for goal in state.goals if goal.parent == state.agenda[-1] and goal.target in _wanted(state)]
+    failed = [plain(goal.target_category or "object") for goal in parts if goal.status == "failed"]
+    if failed:
+        return False, f"{len(parts) - len(failed)} of {len(parts)} done; not the {', '.join(failed)}"
+    return bool(parts), f"{len(parts)} of {len(parts)} done"
+
+
+def _wanted(state: State) -> tuple[str | None, ...]:
+    reference = state.goal.reference
+    return reference.ids if reference is not None and reference.ids else tuple(g.target for g in state.goals)
+
+
+def planned(plan: Plan | None, reason: str) -> str:
+    """The grasp, or why there is none."""
+    if plan is None:
+        return sentence(f"no grasp found: {reason}")
+    grasp = plan.grasp
+    return (
+        f"{grasp.type.capitalize()} grasp of the {plan.region}, {tilt_words(plan)}, opening {grasp.aperture * 1000:.0f} mm, "
+        f"{grasp.force:.1f} N, quality {plan.quality.q:.2f}."
+    )
+
+
+def tilt_words(plan: Plan) -> str:
+    """From where the hand arrives."""
+    tilt = math.degrees(math.acos(max(-1.0, min(1.0, -plan.grasp.approach[2]))))
+    if tilt < 20:
+        return "from above"
+    return f"tilted {tilt:.0f} degrees" if tilt <= 65 else "from the side"
+
+
+def action(plan: Plan, level: int) -> str:
+    """The motion that begins."""
+    rung = f", correction level {level}" if level else ""
+    return (
+        f"execute_grasp on {plan.target}: {plan.grasp.type} grasp of the {plan.region}, {plan.grasp.force:.1f} N{rung}."
+    )
+
+
+def decided(decision: Decision) -> str:
+    """A person's word."""
+    return {
+        "approve": "You approved the motion.",
+        "reject": "You did not approve the motion.",
+        "edit": "You changed the grasp.",
+    }[decision.verdict]
+
+
+def observed(attempt: Attempt) -> str:
+    """What was sensed and what it means."""
+    reasons = "; ".join(attempt.reasons)
+    if attempt.claimed:
+        return sentence(f"I hold it: {reasons}")
+    return sentence(f"{plain(attempt.failure or 'UNKNOWN').lower()}: {reasons}")
+
+
+def exhausted(tries: tuple[Attempt, ...]) -> str:
+    """That the budget is used up."""
+    kinds = ", ".join(plain(a.failure or "UNKNOWN").lower() for a in tries)
+    return f"{len(tries)} attempt{'s' if len(tries) != 1 else ''} failed ({kinds})"
+
+
+def give_up(why: str, last: Attempt) -> str:
+    """The honest end."""
+    return sentence(f"I give up on the {plain(last.target.category)}: {why}")
+
+
+def no_plan(reason: str) -> str:
+    """That no grasp was found."""
+    return f"I found no grasp that the hand and the arm can do: {reason.rstrip('.')}"
+
+
+def remembered(last: Attempt) -> str:
+    """What goes into the memory."""
+    return f"Remembered for {plain(last.target.category)}: {last.plan.grasp.type} grasp of the {last.plan.region}."
+
+
+def placing(goal: Goal, held: Held) -> str:
+    """The placing motion that begins."""
+    return f"place_object: the {plain(held.category)} {place_words(goal)}."
+
+
+def placed(sensing: Sensing, goal: Goal) -> tuple[bool, str]:
+    """Whether the robot believes that it put the thing where it was to go, and in words."""
+    if sensing.stopped_by == "stop":
+        return False, "I was stopped while placing it."
+    if sensing.stopped_by == "path":
+        return False, "I found no free place within reach."
+    if sensing.stopped_by is not None:
+        return False, f"Placing it was ended by {plain(sensing.stopped_by)}."
+    kind = goal.placement.kind if goal.placement else "aside"
+    if kind == "hand_over":
+        return True, "I hold it out to you."
+    if sensing.phase not in ("release", "retreat", "home"):
+        return False, "I could not put it down."
+    return True, f"I put it {place_words(goal)}."
+
+
+def whereabouts(obj: PerceivedObject, percept: Percept) -> str:
+    """Where it stands, as in "45 cm in front of me, 10 cm to the left"."""
+    x, y = obj.position[0], obj.position[1]
+    side = "straight ahead" if abs(y) < 0.015 else f"{abs(y) * 100:.0f} cm to the {'left' if y > 0 else 'right'}"
+    return f"{describe(obj, percept.objects)} stands {x * 100:.0f} cm in front of my base, {side}"

@@ -1,0 +1,58 @@
+"""From a goal's placement to the arguments of `place_object`."""
+
+from __future__ import annotations
+
+from agent.agenda import on_table
+from agent.goal import Placement
+from agent.state import State
+from kb.base import Vec2
+from tools.place_object import PlaceArgs, Relation
+
+LANE_X: tuple[float, float] = (0.35, 0.68)
+"""Depth of the lanes on the table [m]."""
+LANE_WIDTH = 0.15
+"""Width of a lane [m] (benchmark section 3)."""
+
+
+def lane_of(lane: tuple[int, int]) -> tuple[Vec2, Vec2]:
+    """Corners (near right, far left) of lane `lane` = (number from the left, of how many), centred on the table [m]."""
+    number, count = lane
+    centre = ((count - 1) / 2 - number) * LANE_WIDTH
+    return ((LANE_X[0], centre - LANE_WIDTH / 2), (LANE_X[1], centre + LANE_WIDTH / 2))
+
+
+def place_args(state: State) -> PlaceArgs:
+    """Arguments for putting down what is in the hand as the goal in work says."""
+    held, percept, placement = state.held, state.percept, state.goal.placement
+    assert held is not None
+    assert percept is not None
+    placement = placement or Placement(kind="aside")
+    here = tuple(obj for obj in percept.objects if obj.id != held.object.id)
+    percept = percept.model_copy(update={"objects": here})
+    x, y = held.object.position[0], held.object.position[1]
+    if placement.kind == "lane":
+        corners = lane_of(placement.lane or (0, 1))
+        middle = ((corners[0][0] + corners[1][0]) / 2, (corners[0][1] + corners[1][1]) / 2)
+        return PlaceArgs(
+            percept=percept, held=held.plan, object=held.object, kind="point", point=middle, keep_in=corners
+        )
+    if placement.kind == "back":
+        return PlaceArgs(percept=percept, held=held.plan, object=held.object, kind="point", point=(x, y))
+    slot = sum(
+        goal.status == "done" and goal.placement is not None and goal.placement.kind == "bin" for goal in state.goals
+    ) + sum(not on_table(obj, percept) for obj in here)
+    return PlaceArgs(
+        percept=percept,
+        held=held.plan,
+        object=held.object,
+        kind=placement.kind,
+        side=placement.side,
+        reference=placement.target,
+        relation=_relation(placement),
+        slot=slot if placement.kind == "bin" else 0,
+    )
+
+
+def _relation(placement: Placement) -> Relation:
+    word = placement.relation
+    return word if word not in (None, "on", "under", "in") else "near"

@@ -1,0 +1,68 @@
+"""Keeps the living world in step with the state: a node that moves first makes sure the world is where the state says.
+
+This is what makes a killed run resume exactly and a forked one start from its own moment.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from tools.open_world import OpenedWorld
+
+
+class WorldHandle:
+    """The opened world and the mark of the snapshot it corresponds to."""
+
+    def __init__(self, opened: OpenedWorld) -> None:
+        self.opened = opened
+        self._start = opened.snapshot()
+        self._mark: str | None = _digest(self._start)
+
+    def at(self, blob: bytes) -> OpenedWorld:
+        """The world exactly as in the snapshot `blob` (empty: as it was opened)."""
+        wanted = blob or self._start
+        mark = _digest(wanted)
+        if self._mark != mark:
+            self.opened.restore(wanted)
+            self._mark = mark
+        return self.opened
+
+    def before(self, blob: bytes) -> bytes:
+        """The snapshot that stands for the moment before a motion."""
+        return blob or self._start
+
+    def moving(self) -> None:
+        """Says that a motion begins: until `moved`, no snapshot describes the world."""
+        self._mark = None
+
+    def moved(self) -> bytes:
+        """The snapshot after a motion."""
+        blob = self.opened.snapshot()
+        self._mark = _digest(blob)
+        return blob
+
+
+class WatchedRobot:
+    """A robot whose pictures are kept for those who show them; everything else goes straight through."""
+
+    def __init__(self, robot: Any) -> None:
+        self._robot = robot
+        self.views: tuple[Any, ...] = ()
+        """Pictures of the last look."""
+
+    def look(self, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """As `sim.robot.Robot.look`."""
+        self.views = tuple(self._robot.look(*args, **kwargs))
+        return self.views
+
+    def hashes(self) -> tuple[str, ...]:
+        """Name and content hash of each picture of the last look; the pictures themselves never enter the state."""
+        return tuple(f"{view.name}:{_digest(view.rgb.tobytes() + view.depth.tobytes())}" for view in self.views)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._robot, name)
+
+
+def _digest(blob: bytes) -> str:
+    return hashlib.blake2b(blob, digest_size=16).hexdigest()
