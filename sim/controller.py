@@ -12,13 +12,22 @@ from numpy.typing import NDArray
 
 from sim.build_model import TIMESTEP
 from sim.curve import cubic_spline, quintic
+from sim.panda import GRIP_KP
 
 Array = NDArray[np.float64]
 
 COLUMNS = 22
 GRIP_COLUMN = 21
-CLOSED = -0.02
-"""Commanded opening [m] for closing: beyond zero, so that the motor presses with its force limit at any width."""
+CLOSED = -0.04
+"""Commanded opening [m] while closing: so far beyond zero that the motor presses with its force limit at any width."""
+SQUEEZE = 0.010
+"""How much farther than the force limit needs the opening is commanded while holding [m]: the force stays full while
+the object gives way by as much, and letting go starts without delay."""
+
+
+def holding_command(opening: float, force: float) -> float:
+    """Commanded opening [m] that keeps pressing with `force` [N] at a measured opening."""
+    return max(CLOSED, opening - force / GRIP_KP - SQUEEZE)
 
 
 def follow(joints: Array, opening: float, before: Array | None = None) -> Array:

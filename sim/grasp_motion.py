@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kb.grasp import Grasp
 from sim.build_model import TIMESTEP
-from sim.controller import CLOSED, along, follow, hold, part
+from sim.controller import CLOSED, along, follow, hold, holding_command, part
 from sim.hand import approach_time
 from sim.motion import Obstacle, Transit, plan_direct, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
@@ -115,6 +115,8 @@ def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
     longest = (motion.aperture - CLOSED) / 0.1 + 0.6
     closed = motion.run(hold(reach.joints, CLOSED, longest), "close", check)
     tool_z = float(motion.reading("robot/tcp_position", closed)[-1, 2])
+    squeeze = holding_command(motion.aperture, grasp.force)
+    motion.run(hold(reach.joints, squeeze, 0.01), "close")
     note_hang(motion, tool_z)
     motion.note(
         aperture_closed=float(motion.reading("robot/opening", closed)[-1, 0]),
@@ -129,15 +131,15 @@ def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach) -> bool:
     share = TEST_LIFT / reach.height
     first, rest = part(reach.lift, 0.0, share), part(reach.lift, share, 1.0)
     base_z = float(motion.world.read("robot/tcp_position")[2])
-    motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), CLOSED, reach.joints), "lift")
-    weighed = motion.run(hold(first[-1], CLOSED, 0.1), "lift")
+    motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), motion.grip, reach.joints), "lift")
+    weighed = motion.run(hold(first[-1], motion.grip, 0.1), "lift")
     motion.carry(weighed)
     motion.note(load_lifted=float(motion.wrist.mass(weighed.sensordata)[-25:].mean()))
     if motion.aperture < NOTHING:
         _note_end(motion, weighed, base_z)
         return False
     up = motion.run(
-        follow(along(rest, approach_time(reach.height - TEST_LIFT, grasp.speed)), CLOSED, first[-1]), "lift"
+        follow(along(rest, approach_time(reach.height - TEST_LIFT, grasp.speed)), motion.grip, first[-1]), "lift"
     )
     motion.carry(up)
     motion.note(aperture_lifted=motion.aperture)
@@ -149,11 +151,11 @@ def hold_and_shake(motion: MotionRun, reach: Reach, shake: bool) -> None:
     """Holds still, then shakes the wrist, and weighs at the end."""
     top = reach.lift[-1]
     base_z = float(motion.world.read("robot/tcp_position")[2]) - motion.fields["lift_height"]
-    last = motion.run(hold(top, CLOSED, HOLD_S), "hold")
+    last = motion.run(hold(top, motion.grip, HOLD_S), "hold")
     motion.carry(last)
     if shake:
-        motion.carry(motion.run(follow(shake_path(top, SHAKE_S), CLOSED, top), "shake"))
-        last = motion.run(hold(top, CLOSED, 0.15), "shake")
+        motion.carry(motion.run(follow(shake_path(top, SHAKE_S), motion.grip, top), "shake"))
+        last = motion.run(hold(top, motion.grip, 0.15), "shake")
         motion.carry(last)
     _note_end(motion, last, base_z)
 

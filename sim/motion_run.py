@@ -41,6 +41,13 @@ LEAST_LOAD = 0.005
 """Mass below which nothing is carried [kg]."""
 
 
+def is_holding(world: World) -> bool:
+    """The hand is told to close, presses with more than 0.5 N, and something keeps the fingers apart."""
+    opening = float(world.read("robot/opening")[0])
+    told = float(world.data.ctrl[world.index.gripper_control])
+    return told < opening - NOTHING and opening > NOTHING and float(world.read("robot/grip_force")[0]) < -0.5
+
+
 class HaltedError(Exception):
     """The motion ended before its end; a value for the caller, never shown to users."""
 
@@ -89,7 +96,7 @@ class MotionRun:
     @property
     def holding(self) -> bool:
         """The hand was told to close, presses, and something keeps the fingers apart."""
-        return self.grip < 0.0 and self.aperture > NOTHING and -float(self.world.read("robot/grip_force")[0]) > 0.5
+        return is_holding(self.world)
 
     def run(self, controls: Array, phase: Phase, check: Check | None = None) -> Recording:
         """Runs one phase.

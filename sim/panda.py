@@ -160,7 +160,8 @@ def _finger(side: str, turn: str, visual: bool) -> str:
     return (
         f'<body name="robot/{side}_finger" pos="0 0 {FINGER_OFFSET}" quat="{turn}" gravcomp="1">'
         f'<inertial mass="{FINGER_MASS}" pos="{_numbers(FINGER_COM)}" diaginertia="2.375e-6 2.375e-6 7.5e-7"/>'
-        f'<joint name="robot/finger_{side}" type="slide" axis="0 1 0" range="0 {FINGER_TRAVEL}" armature="0.1" damping="10"/>'
+        f'<joint name="robot/finger_{side}" type="slide" axis="0 1 0" range="0 {FINGER_TRAVEL}" armature="0.1" damping="10" '
+        f'solreflimit="0.004 1" solimplimit="0.95 0.99 0.001"/>'
         f"{_visual('finger', visual)}{geoms}</body>"
     )
 

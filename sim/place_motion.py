@@ -16,7 +16,7 @@ from sim.hand import approach_time
 from sim.kinematics import forward
 from sim.motion import CARRIED_RADIUS, Obstacle, plan_transit
 from sim.motion_run import Check, HaltedError, MotionRun
-from sim.panda import FINGER_TRAVEL, READY
+from sim.panda import FINGER_TRAVEL, GRIP_SLEW, READY
 from sim.reach import descents, line_any
 from sim.setting import setting_obstacles
 from sim.wrench import GRAVITY, largest_force
@@ -174,7 +174,9 @@ def let_go(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
     motion.world.set_grip_force(OPENING_FORCE)
     here = motion.commanded
     opening = min(2 * FINGER_TRAVEL, max(motion.aperture + RELEASE_ROOM, 0.02))
-    motion.run(hold(here, opening, 0.35), "release")
+    data, column = motion.world.data.sensordata, motion.world.index.sensors["robot/opening"].start
+    longest = (opening - motion.grip) / GRIP_SLEW + 0.2
+    motion.run(hold(here, opening, longest), "release", lambda: "open" if data[column] > opening - 1e-3 else None)
     retreat(motion)
     motion.note(aperture_end=motion.aperture)
 

@@ -21,7 +21,7 @@ from sim.controller import hold
 from sim.grasp_motion import approach, arrive, close, hold_and_shake, lift_up, plan
 from sim.hand import FULL_LIFT
 from sim.motion import Obstacle
-from sim.motion_run import NOTHING, HaltedError, MotionRun
+from sim.motion_run import HaltedError, MotionRun, is_holding
 from sim.place_motion import carry_above, home, let_go, lower_here, place_pose, travel
 from sim.stop import StopSwitch
 from sim.world import World
@@ -61,8 +61,7 @@ class Robot:
     @property
     def holding(self) -> bool:
         """The hand was told to close, presses, and something keeps the fingers apart."""
-        closing = float(self.world.data.ctrl[self.world.index.gripper_control]) < 0.0
-        return closing and self.aperture > NOTHING and self.grip_force > 0.5
+        return is_holding(self.world)
 
     @property
     def bin(self) -> tuple[Vec3, Vec3] | None:

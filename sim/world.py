@@ -173,13 +173,13 @@ class World:
         Raises:
             BadInputError: the scene has no camera of that name.
         """
-        from sim.cameras import capture
+        from sim.cameras import capture_all
 
         cameras = {camera.name: camera for camera in self.placed.cameras}
         missing = [name for name in names if name not in cameras]
         if missing:
             raise BadInputError(f"there is no camera {missing[0]!r}", where=self.placed.name, choices=cameras)
-        return tuple(capture(self.model, self.data, cameras[name], self.placed, rng) for name in names)
+        return capture_all(self.model, self.data, [cameras[name] for name in names], self.placed, rng)
 
 
 def _unpack(blob: bytes) -> tuple[dict, Array, NDArray[np.int32], Array]:

@@ -1,0 +1,91 @@
+"""Laws of the hand's boxes and of the swept clearance."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kb.grasp import Grasp
+from sim.hand import PALM_ABOVE_TCP, TIP_BEYOND_TCP, hand_boxes, swept_clearance, swept_clearances
+
+
+def _top(x: float = 0.5, y: float = 0.0, z: float = 0.05, yaw: float = 0.0, aperture: float = 0.06) -> Grasp:
+    return Grasp(
+        position=(x, y, z), approach=(0, 0, -1), yaw=yaw, aperture=aperture, force=10, type="pinch", standoff=0.1
+    )
+
+
+def test_measured_size_of_the_hand() -> None:
+    """The hand reaches 102 mm along the closing axis, 31.5 mm across, and the tips stand 46 mm below the palm."""
+    boxes = hand_boxes(0.0)
+    assert max(centre[1] + half[1] for centre, half in boxes) == pytest.approx(0.102)
+    assert max(centre[0] + half[0] for centre, half in boxes) == pytest.approx(0.0315)
+    assert PALM_ABOVE_TCP + TIP_BEYOND_TCP == pytest.approx(0.046, abs=5e-4)
+
+
+def test_opening_moves_only_the_fingers() -> None:
+    """The gap between the pads is the aperture; the palm stays."""
+    for aperture in (0.0, 0.03, 0.08):
+        boxes = hand_boxes(aperture)
+        pads = [boxes[4], boxes[7]]
+        inner = [abs(centre[1]) - half[1] for centre, half in pads]
+        assert inner == pytest.approx([aperture / 2, aperture / 2])
+        assert [tuple(c) for c, _ in boxes[:2]] == [tuple(c) for c, _ in hand_boxes(0.0)[:2]]
+
+
+def test_points_between_the_pads_are_clear_and_points_in_a_pad_are_not() -> None:
+    """A point at the tool centre is half an aperture from the pads; a point inside a pad is negative."""
+    grasp = _top()
+    assert swept_clearance(grasp, np.array([[0.5, 0.0, 0.05]]), lift=0.0) == pytest.approx(0.03, abs=2e-3)
+    inside = np.array([[0.5 + 0.03 + 0.007, 0.0, 0.05]])
+    assert swept_clearance(grasp, inside) < -0.003
+
+
+def test_a_tall_neighbour_hits_the_palm_only_along_the_closing_axis() -> None:
+    """Ledger G2: a neighbour 8 cm away and 12 cm tall is hit along the closing axis and missed across it."""
+    column = np.array([[0.58, 0.0, z] for z in np.linspace(0, 0.12, 13)])
+    assert swept_clearance(_top(yaw=0.0), column) < 0.0
+    assert swept_clearance(_top(yaw=math.pi / 2), column) > 0.04
+
+
+def test_the_sweep_covers_the_way_in_and_the_way_up() -> None:
+    """A point above the palm on the approach, and one above the lifted hand's path, are found."""
+    above = np.array([[0.5, 0.09, 0.05 + 0.07 + 0.10]])
+    grasp = _top(yaw=math.pi / 2)
+    assert swept_clearance(grasp, above, lift=0.0) < 0.0
+    higher = above + [0.0, 0.0, 0.13]
+    assert swept_clearance(grasp, higher, lift=0.0) > 0.02
+    assert swept_clearance(grasp, higher, lift=0.17) < 0.01
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-3, 3), st.floats(0.0, 0.08), st.floats(-0.3, 0.3), st.floats(-0.2, 0.2), st.floats(0.0, 0.3))
+def test_clearance_moves_with_the_scene(yaw: float, aperture: float, dx: float, dy: float, z: float) -> None:
+    """Moving grasp and points together changes nothing; half a turn of the closing axis changes nothing."""
+    rng = np.random.default_rng(7)
+    points = rng.uniform(-0.15, 0.15, (40, 3)) + [0.5, 0.0, 0.1]
+    grasp = _top(z=0.05 + z, yaw=yaw, aperture=aperture)
+    base = swept_clearance(grasp, points)
+    moved = grasp.model_copy(update={"position": (0.5 + dx, dy, 0.05 + z)})
+    assert swept_clearance(moved, points + [dx, dy, 0.0]) == pytest.approx(base, abs=1e-9)
+    turned = grasp.model_copy(update={"yaw": yaw + math.pi})
+    assert swept_clearance(turned, points) == pytest.approx(base, abs=1e-9)
+
+
+def test_batch_agrees_with_single_near_and_is_a_lower_bound_far() -> None:
+    """`swept_clearances` equals `swept_clearance` where it matters and never overstates where it culls."""
+    rng = np.random.default_rng(2)
+    points = rng.uniform([0.3, -0.3, 0.0], [0.8, 0.3, 0.2], (500, 3))
+    grasps = [_top(x, y, 0.05, yaw) for x, y, yaw in rng.uniform([0.3, -0.3, -3], [0.8, 0.3, 3], (50, 3))]
+    grasps.append(_top(2.0, 2.0))
+    batch = swept_clearances(grasps, points)
+    for grasp, value in zip(grasps, batch, strict=True):
+        exact = swept_clearance(grasp, points, lift=0.0)
+        assert value <= exact + 1e-9
+        if exact < 0.03:
+            assert value == pytest.approx(exact, abs=1e-9)
+    assert swept_clearances(grasps, np.zeros((0, 3))).tolist() == [np.inf] * len(grasps)
