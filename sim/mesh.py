@@ -76,8 +76,9 @@ def pieces_of(vertices: Array, faces: Faces, where: str) -> list[Array]:
     mesh.update_faces(mesh.unique_faces() & mesh.nondegenerate_faces())
     mesh.remove_unreferenced_vertices()
     size = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.faces) else 0.0
-    bodies = [_closed(body) for body in mesh.split(only_watertight=False)] if size > 0 else []
-    solid = [body for body in bodies if abs(body.volume) > 1e-7 * size**3]
+    with np.errstate(all="ignore"):  # flat pieces divide by their volume
+        bodies = [_closed(body) for body in mesh.split(only_watertight=False)] if size > 0 else []
+        solid = [body for body in bodies if abs(body.volume) > 1e-7 * size**3]
     if not solid:
         raise BadInputError("the mesh has no volume, even with its holes filled", where=where)
     return [piece for body in solid for piece in _cut(body)]
@@ -155,6 +156,8 @@ def _cut(mesh: Any) -> list[Array]:
         max_convex_hull=MAX_PIECES,
         decimate=True,
         max_ch_vertex=MAX_CORNERS,
+        mcts_iterations=60,
+        mcts_nodes=15,
         seed=0,
     )
     pieces = [np.asarray(points, float) for points, _ in parts]

@@ -66,7 +66,7 @@ def own_object(
     mass = entry.mass
     if entry.mjcf is not None:
         pieces, file_mass = mjcf_geoms(folder, entry.mjcf, where)
-        mass = file_mass if mass is None else mass
+        mass = file_mass * scale**3 if mass is None else mass
     else:
         path = inside(folder, str(entry.mesh), where, SUFFIXES)
         cut = convex_pieces(read(path, where), path.suffix.lower(), where)

@@ -175,7 +175,7 @@ def _check_references(spec: SceneSpec) -> None:
                 raise BadInputError(f"there is no model {thing.model!r}", where=where, choices=MODELS)
             if thing.state == "filled" and model(thing.model).form().cavity is None:
                 hollow = [name for name, entry in MODELS.items() if entry.form().cavity is not None]
-                raise BadInputError(f"a {thing.model} cannot be filled", where=where, choices=hollow)
+                raise BadInputError(f"{thing.model!r} cannot be filled", where=where, choices=hollow)
         else:
             if thing.state == "filled":
                 raise BadInputError("only catalogue containers can be filled", where=where)
