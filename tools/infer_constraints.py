@@ -56,14 +56,15 @@ def infer_constraints(args: ConstraintArgs, context: ToolContext) -> Constraints
     if args.target not in nodes:
         raise BadInputError(f"there is no object {args.target!r} in the scene graph", choices=sorted(nodes))
     target = nodes[args.target]
-    removed = supported_by(args.graph, target.id)
-    support = [_support(nodes[name], target, args.graph) for name in removed]
-    occlusion = _occlusion(args.graph, target, nodes, removed)
-    content = _content(args.graph, target, nodes, removed)
-    collision = _collision(args.graph, target, nodes, removed, args.margin)
+    graph = _canonical(args.graph)
+    removed = supported_by(graph, target.id)
+    support = [_support(nodes[name], target, graph) for name in removed]
+    occlusion = _occlusion(graph, target, nodes, removed)
+    content = _content(graph, target, nodes, removed)
+    collision = _collision(graph, target, nodes, removed, args.margin)
     adjustment = Adjustment(remove_first=removed, margin=args.margin)
     if occlusion:
-        lateral = _lateral(target, [nodes[c.target] for c in occlusion], args.graph.nodes)
+        lateral = _lateral(target, [nodes[c.target] for c in occlusion], graph.nodes)
         adjustment = adjustment.model_copy(update={"lateral": lateral})
     if content:
         adjustment = adjustment.model_copy(update={"direction": DOWN, "speed": SLOW, "max_tilt": MAX_TILT})
@@ -72,6 +73,13 @@ def infer_constraints(args: ConstraintArgs, context: ToolContext) -> Constraints
         neighbours = [nodes[c.target] for c in collision]
         adjustment = adjustment.model_copy(update=_keep_clear(target, neighbours, sign))
     return Constraints(active=(*support, *occlusion, *content, *collision), adjustment=adjustment)
+
+
+def _canonical(graph: SceneGraph) -> SceneGraph:
+    """The same graph in one order, so that sums of floats do not depend on who listed it."""
+    nodes = sorted(graph.nodes, key=lambda node: node.id)
+    edges = sorted(graph.edges, key=lambda edge: (edge.source, edge.relation, edge.target))
+    return SceneGraph(nodes=tuple(nodes), edges=tuple(edges))
 
 
 def supported_by(graph: SceneGraph, target: str) -> tuple[str, ...]:

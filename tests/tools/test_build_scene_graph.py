@@ -199,11 +199,11 @@ def test_an_unknown_target_is_refused_with_the_choices() -> None:
         build_scene_graph(SceneGraphArgs(percept=percept(thing("a", "cup", 0.5, 0.0)), target="nine"), ToolContext())
 
 
-def test_twelve_objects_take_less_than_a_fifth_of_a_second_of_processor_time() -> None:
+def test_twelve_objects_take_less_than_half_a_second_of_processor_time() -> None:
     """The whole graph of a crowded table stays far below the budget of a second from look to plan."""
     objects = [thing(f"o{i:02d}", "cup", 0.3 + 0.1 * (i % 4), -0.2 + 0.15 * (i // 4)) for i in range(12)]
     args = SceneGraphArgs(percept=percept(*objects))
     build_scene_graph(args, ToolContext())
     start = time.process_time()
     build_scene_graph(args, ToolContext())
-    assert time.process_time() - start < 0.2
+    assert time.process_time() - start < 0.5

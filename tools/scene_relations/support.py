@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kb.percept import PerceivedObject
 from kb.priors import prior
-from tools.scene_relations.solid import Solid
+from tools.scene_relations.solid import Solid, largest
 from tools.scene_relations.surface_gap import overlap_share
 
 REST_TOLERANCE = 0.010
@@ -23,13 +23,25 @@ def over(upper: Solid, lower: Solid) -> bool:
 
 
 def is_above(upper: Solid, lower: Solid) -> bool:
-    """ABOVE: the footprints overlap, and the upper one begins no deeper than `REST_TOLERANCE` under the lower one's top."""
-    return upper.low >= lower.high - REST_TOLERANCE and over(upper, lower)
+    """ABOVE: the footprints overlap, and the upper one begins at the lower one's top or higher.
+
+    It may begin deeper by `REST_TOLERANCE`, but not under the middle of a thin thing, so that two things are never
+    above each other.
+    """
+    tolerance = min(REST_TOLERANCE, (lower.high - lower.low) / 2.0)
+    higher = upper.low + upper.high > lower.low + lower.high
+    return higher and upper.low >= lower.high - tolerance and over(upper, lower)
 
 
 def rests_on(upper: Solid, lower: Solid) -> bool:
     """The upper one lies above, and its base is at the lower one's top within `REST_TOLERANCE`."""
-    return abs(upper.low - lower.high) <= REST_TOLERANCE and over(upper, lower)
+    return upper.low <= lower.high + REST_TOLERANCE and is_above(upper, lower)
+
+
+def breadth(solid: Solid) -> float:
+    """Smaller half extent of the footprint [m]."""
+    piece = largest(solid)
+    return min(piece.half) + piece.reach()
 
 
 def sticks_out(inner: Solid, outer: Solid) -> bool:
@@ -38,14 +50,17 @@ def sticks_out(inner: Solid, outer: Solid) -> bool:
 
 
 def is_hollow(obj: PerceivedObject) -> bool:
-    """Whether things can be inside: a bowl shape, a seen rim, or a category that is a container."""
+    """Whether things can be inside: a bowl shape, a seen rim, or a container by category; not through a neck."""
+    if obj.part("neck") is not None:
+        return False
     return obj.shape == "bowl" or obj.part("rim") is not None or prior(obj.category).container
 
 
 def is_inside(inner: Solid, outer: Solid, outer_object: PerceivedObject) -> bool:
-    """INSIDE: the outer one is hollow, the inner footprint lies over it, and begins below its edge and not under it."""
+    """INSIDE: the outer one is hollow, the slimmer inner one lies over it, begins below its edge and not under it."""
     return (
         is_hollow(outer_object)
+        and breadth(inner) < breadth(outer)
         and outer.low - REST_TOLERANCE <= inner.low <= outer.high - INSIDE_DEPTH
         and overlap_share(inner, outer) >= INSIDE_OVERLAP
     )
