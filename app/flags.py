@@ -16,7 +16,7 @@ Scene = Annotated[
     typer.Option(
         "--scene",
         metavar="NAME|FILE",
-        help="Built-in scene or YAML file (default: cup_near_vase).",
+        help="Built-in scene or YAML file (default: single_cup).",
         rich_help_panel=WORLD,
     ),
 ]

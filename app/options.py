@@ -27,9 +27,10 @@ MAX_CONFIG_BYTES = 1_000_000
 class RunOptions:
     """Everything that decides what a run does. The defaults are the product's."""
 
-    scene: str = "cup_near_vase"
-    """Built-in name or YAML file."""
-    seed: int = 0
+    scene: str | None = None
+    """Built-in name or YAML file; None is the agent's default, or what the thread knows."""
+    seed: int | None = None
+    """None is 0, or what the thread knows."""
     brain: str = "rules"
     base_url: str | None = None
     """Address of the server of an `openai:` brain."""

@@ -48,12 +48,11 @@ def _describe(name: str) -> dict[str, Any]:
     from pydantic import BaseModel
 
     verb = getattr(importlib.import_module(f"tools.{name}"), name)
-    signature = inspect.signature(verb, eval_str=True)
-    parameters = [p.annotation for p in signature.parameters.values()]
-    models = [kind for kind in parameters if inspect.isclass(kind) and issubclass(kind, BaseModel)]
+    hints = inspect.get_annotations(verb)
     row: dict[str, Any] = {"description": (inspect.getdoc(verb) or "").split("\n", 1)[0]}
-    row["arguments"] = models[0].model_json_schema() if models else {}
-    result = signature.return_annotation
-    if inspect.isclass(result) and issubclass(result, BaseModel):
-        row["result"] = result.model_json_schema()
+    for key, hint in (("arguments", next(iter(hints.values()))), ("result", hints["return"])):
+        # Annotations are words here, and some name what only type checkers import; arguments and results do not.
+        kind = getattr(importlib.import_module(f"tools.{name}"), hint, None) if isinstance(hint, str) else hint
+        if inspect.isclass(kind) and issubclass(kind, BaseModel):
+            row[key] = kind.model_json_schema()
     return row

@@ -50,7 +50,8 @@ class StepPrinter:
         line.append(first, style="default")
         self._console.print(line)
         details = DETAILS.get(step.kind)
-        for extra in [*rest, *(details(step) if details else ())]:
+        said = str(step.text)
+        for extra in [*rest, *(line for line in (details(step) if details else ()) if line not in said)]:
             self._console.print(Text(" " * WIDTH + extra, style="dim"))
 
 
@@ -78,7 +79,8 @@ def _retrieved(step: Any) -> list[str]:
         f"looks {item.s_vis:.2f}; {item.experience.n_success}/{item.experience.n_trials} trials succeeded"
         for item in step.retrieval.top
     ]
-    return [f"funnel {funnel.total} > {funnel.level1} > {funnel.level2} > {funnel.level3}", *lines]
+    # The step's own sentence has the funnel already, where there is nothing to add.
+    return [f"funnel {funnel.total} > {funnel.level1} > {funnel.level2} > {funnel.level3}", *lines] if lines else []
 
 
 def _graphed(step: Any) -> list[str]:
@@ -98,7 +100,7 @@ def _graphed(step: Any) -> list[str]:
 
 
 def _constrained(step: Any) -> list[str]:
-    return [f"{item.kind} ({item.target}): {item.reason}" for item in step.constraints.active]
+    return [item.reason for item in step.constraints.active]
 
 
 def _planned(step: Any) -> list[str]:

@@ -164,7 +164,7 @@ class RayPainter:
         if not lit.size:
             return colour
         point, normal, geom = hits.point[lit], hits.normal[lit], hits.geom[lit]
-        albedo = np.where((geom == FLOOR)[:, None], _rgb(0.40, 0.42, 0.45), self._albedo[np.maximum(geom, 0)])
+        albedo = np.where((geom == FLOOR)[:, None], _rgb(0.46, 0.49, 0.53), self._albedo[np.maximum(geom, 0)])
         if finish.grain and self._table >= 0:
             wood = (geom == self._table) & (normal[:, 2] > 0.9)
             albedo[wood] *= _grain(point[wood])[:, None]
@@ -246,7 +246,7 @@ def _display(colour: Array) -> NDArray[np.uint8]:
 def _backdrop(rays: NDArray[np.float64]) -> Array:
     """A quiet studio gradient by elevation, linear colours (N, 3)."""
     lift = np.clip(rays[:, 2].astype(np.float32) * 1.2 + 0.55, 0, 1)[:, None]
-    low, high = _rgb(0.56, 0.61, 0.68), _rgb(0.90, 0.94, 1.0)
+    low, high = _rgb(0.72, 0.79, 0.88), _rgb(1.25, 1.30, 1.36)
     return low * (1 - lift) + high * lift
 
 

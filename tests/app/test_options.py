@@ -20,10 +20,10 @@ def resolve(flags: dict[str, object], config: Path | None = None) -> RunOptions:
 
 
 def test_defaults_are_those_of_the_product() -> None:
-    """Without flags and file: rules brain, pixels, physics, the full configuration, seed 0."""
+    """Without flags and file: rules brain, pixels, physics, the full configuration; scene and seed are the agent's."""
     options = resolve({})
     assert (options.brain, options.perception, options.evaluator, options.configuration, options.seed) == (
-        "rules", "rgbd", "mujoco", "full", 0,
+        "rules", "rgbd", "mujoco", "full", None,
     )  # fmt: skip
     assert not options.approve
     assert not options.dry_run
