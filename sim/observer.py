@@ -8,11 +8,12 @@ from __future__ import annotations
 import io
 import json
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kb.base import Vec3
 from kb.run_result import ConstraintRecord
@@ -122,6 +123,10 @@ class Observer:
         if attempt is not None and attempt in self._pieces:
             first = self._pieces[attempt][0].pose[0]
             poses = {name: first[column] for column, name in enumerate(self.layout.objects)}
+        return self.nearest(category, position, poses)
+
+    def nearest(self, category: str | None, position: Vec3, poses: Mapping[str, ArrayLike]) -> str | None:
+        """The object nearest to a position, those of the category preferred, with everything at the given poses."""
         best, best_distance = None, MEANT_DISTANCE
         for thing in self.placed.objects:
             if thing.id not in poses:

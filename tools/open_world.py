@@ -6,6 +6,7 @@ business. `placed` and `world` are for the faces and the benchmark (pictures, vi
 
 from __future__ import annotations
 
+import dataclasses
 import struct
 import zlib
 from collections.abc import Callable
@@ -69,7 +70,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
         scene: built-in name or path of a scene file.
         seed: everything random in the world follows from it.
         evaluator: "mujoco" for contact physics, "analytic" for the paper's kind of simulation.
-        noise: scale of the camera noise and of the uncertainty of friction and mass.
+        noise: scale of the camera noise.
 
     Raises:
         BadInputError: unknown scene, evaluator, or a scene file that is not valid.
@@ -83,17 +84,18 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
     from sim.world import World
 
     spec = load_scene(scene)
-    placed = draw_scene(spec, seed) if noise == 1.0 else draw_scene(spec, seed, noise=noise)
-    world = World(placed)
-    observer, stop = Observer(world), StopSwitch()
+    placed = dataclasses.replace(draw_scene(spec, seed), noise=noise)
+    world, stop = World(placed), StopSwitch()
     if evaluator == "analytic":
         from sim.analytic import AnalyticRobot
+        from sim.analytic_observer import AnalyticObserver
 
         robot: Any = AnalyticRobot(world, stop=stop)
+        observer: Any = AnalyticObserver(world)
     else:
         from sim.robot import Robot
 
-        robot = Robot(world, stop=stop)
+        robot, observer = Robot(world, stop=stop), Observer(world)
     return OpenedWorld(
         scene=placed.name,
         seed=seed,
@@ -121,7 +123,12 @@ def open_perceiver(name: PerceptionName, opened: OpenedWorld, embedder: Any) -> 
     if name == "oracle":
         from tools.oracle_perception import OraclePerceiver
 
-        return OraclePerceiver(opened.world, embedder)
+        oracle = OraclePerceiver(opened.world, embedder)
+        if opened.evaluator == "analytic":
+            from tools.noisy_oracle import NoisyOracle
+
+            return NoisyOracle(oracle, opened.seed)
+        return oracle
     if name == "vlm":
         raise EnvironmentFaultError("perception 'vlm' needs a vision-language model", mend="use --perception rgbd")
     raise BadInputError(f"unknown perception {name!r}", choices=PERCEPTIONS)

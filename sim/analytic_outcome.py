@@ -1,0 +1,179 @@
+"""The paper's own kind of evaluation (Sec. IV-D, V-A): the outcome of a grasp from the seven factors on the true scene.
+
+No physics engine, no dice: y = 1 iff the pose is reachable, every factor reaches its threshold, Q is at least 0.60, and no
+constraint is violated (ledger G15 to G17). Always to be shown beside the physical evaluator, never mixed with it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+from pydantic import Field
+
+from kb.base import Finite, Noun
+from kb.grasp import Grasp, Quality
+from kb.vocabulary import FailureType
+from sim.footprint import geom_points
+from sim.hand import hand_boxes, swept_distances
+from sim.local_width import local_width, region_distance
+from sim.placed import PlacedObject
+from sim.pose import Array, point_in_body, rotation_of
+from sim.quality import REACH_ERROR, Circumstances, Subject, failure_of, grade
+from sim.reach import Unreachable
+from sim.world import World
+
+TABLE_ALLOWANCE = 0.001
+"""The hand may come this close to the table [m]; nearer is a collision, farther does not count (ledger G15)."""
+SLOW = 0.3
+"""Velocity scale that keeps contents in their container (ledger G11)."""
+CONTENT_TILT = math.radians(15.0)
+"""Tilt of the approach that keeps contents in their container [rad] (ledger G11)."""
+ON_TOP = 0.02
+"""A thing whose base is within this of another's top stands on it [m]."""
+
+
+class Outcome(Noun):
+    """What the analytic evaluator says about one motion. The robot is not told; the observer keeps it."""
+
+    attempt: int
+    gripped: str | None
+    """The object between the fingers, or None."""
+    failure: FailureType | None
+    quality: Quality | None = None
+    width: Finite = 0.0
+    """Local width between the fingers [m]."""
+    force: Finite = 0.0
+    """[N]."""
+    height: Finite = 0.0
+    """How far it was lifted [m]."""
+    clearance: dict[str, float] = Field(default_factory=dict)
+    """Other object -> smallest distance of the swept hand [m]."""
+    tilt: Finite = 0.0
+    """Approach off vertical [rad]."""
+    speed: Finite = 1.0
+    supports: tuple[str, ...] = ()
+    """What stood on the gripped object."""
+    placed: str | None = None
+    """For a placing motion: what was put down."""
+
+
+def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
+    """Outcome of a grasp in the world as it stands.
+
+    Args:
+        world: Its poses are read, nothing is changed.
+        grasp: The grasp.
+        reach: What `sim.reach.solve_reach` said.
+        attempt: Number of the motion.
+    """
+    tilt = math.acos(max(-1.0, min(1.0, -grasp.approach[2] / float(np.linalg.norm(grasp.approach)))))
+    base = {"attempt": attempt, "force": grasp.force, "tilt": tilt, "speed": grasp.speed}
+    if isinstance(reach, Unreachable):
+        return Outcome(gripped=None, failure="UNREACHABLE_POSE", **base)
+    movable = [thing for thing in world.placed.objects if not thing.fixed]
+    widths = {thing.id: _width(world, thing, grasp) for thing in movable}
+    between = [thing for thing in movable if widths[thing.id] > 0.0]
+    thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
+    if thing is None:
+        return Outcome(gripped=None, failure="POSITION_ERROR", **base)
+    clearance = {
+        other.id: float(swept_distances(grasp, cloud(world, other)).min()) for other in movable if other.id != thing.id
+    }
+    supports = tuple(other.id for other in movable if other.id != thing.id and _stands_on(world, other, thing))
+    near = min((value for name, value in clearance.items() if name not in supports), default=math.inf)
+    table = _above_table(grasp) >= TABLE_ALLOWANCE
+    error = _error(world, thing, grasp)
+    subject = Subject(
+        region_distance=error if between else max(error, REACH_ERROR),
+        width=widths[thing.id],
+        mass=thing.mass,
+        friction=thing.friction,
+        fragility=thing.affordance.fragility,
+        affordance=thing.affordance.type,
+        clearance=min(near, 1.0) if table else 0.0,
+    )
+    facts = Circumstances(
+        blocked_by="object" if table else "table",
+        material=thing.affordance.material,
+        constraint_violated=_violated(world, thing, grasp, tilt, supports),
+    )
+    quality = grade(grasp, subject)
+    return Outcome(
+        gripped=thing.id if between else None,
+        failure=failure_of(quality, grasp, subject, facts),
+        quality=quality,
+        width=widths[thing.id],
+        height=float(reach.height),
+        clearance=clearance,
+        supports=supports,
+        **base,
+    )
+
+
+def cloud(world: World, thing: PlacedObject) -> Array:
+    """Points on and in an object where it is now [m], (N, 3), at most about 2 cm apart on its pieces."""
+    address = world.index.objects[thing.id].qpos
+    pose = np.array([*thing.position, *thing.quaternion]) if address is None else world.data.qpos[address]
+    local = np.vstack([_filled(geom_points(geom)) for geom in thing.geoms])
+    return local @ rotation_of(pose[3:]).T + pose[:3]
+
+
+def _filled(corners: Array) -> Array:
+    """The corners of a convex piece and points on the lines between them."""
+    if len(corners) > 40:
+        corners = corners[np.linspace(0, len(corners) - 1, 40).astype(int)]
+    first, second = np.triu_indices(len(corners), 1)
+    shares = np.array([0.2, 0.4, 0.6, 0.8])[:, None, None]
+    between = (1 - shares) * corners[first] + shares * corners[second]
+    return np.vstack([corners, between.reshape(-1, 3)])
+
+
+def _width(world: World, thing: PlacedObject, grasp: Grasp) -> float:
+    geoms = world.index.objects[thing.id].geoms
+    data: Any = world.data
+    mujoco.mj_kinematics(world.model, data)
+    return local_width(world.model, data, geoms, grasp.position, grasp.rotation(), grasp.aperture)
+
+
+def _error(world: World, thing: PlacedObject, grasp: Grasp) -> float:
+    """e_p: distance of the grasp's position from the object's affordance region [m]."""
+    address = world.index.objects[thing.id].qpos
+    return region_distance(thing, point_in_body(world.data.qpos[address], grasp.position))
+
+
+def _above_table(grasp: Grasp) -> float:
+    """Height of the hand's lowest corner at the grasp [m]."""
+    from sim.hand import TCP_OFFSET
+
+    rotation, lowest = grasp.rotation(), math.inf
+    for centre, half in hand_boxes(grasp.aperture):
+        middle = np.asarray(grasp.position) + rotation @ (centre - [0.0, 0.0, TCP_OFFSET])
+        lowest = min(lowest, float(middle[2] - np.abs(rotation[2]) @ half))
+    return lowest
+
+
+def _stands_on(world: World, upper: PlacedObject, lower: PlacedObject) -> bool:
+    """Whether one object's base is at or inside another's outline, above its base."""
+    a, b = (world.data.qpos[world.index.objects[thing.id].qpos][:3] for thing in (upper, lower))
+    aside = float(np.linalg.norm(a[:2] - b[:2]))
+    return aside < max(lower.size[:2]) / 2 and 0.005 < a[2] - b[2] < lower.size[2] + ON_TOP
+
+
+def _violated(world: World, thing: PlacedObject, grasp: Grasp, tilt: float, supports: tuple[str, ...]) -> bool:
+    """Whether a constraint that the task requires for this object is broken by how it is taken."""
+    task = world.placed.task
+    if task is None:
+        return False
+    for required in task.required:
+        if required.kind == "support" and required.target in supports:
+            return True
+        if (
+            required.kind == "content"
+            and required.target == thing.id
+            and (tilt > CONTENT_TILT or grasp.speed > SLOW + 1e-9)
+        ):
+            return True
+    return task.side_grasp_of == thing.id and not math.radians(30) <= tilt <= math.radians(60)
