@@ -8,7 +8,7 @@ decides last. This module knows neither how objects were perceived nor what is t
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,8 @@ from sim.motion import Obstacle, plan_transit
 from sim.quality import WIDEST_OBJECT
 from sim.reach import Unreachable, solve_reaches
 from tools.context import ToolContext
-from tools.planning.candidate import Candidate
+from tools.planning.arm_clearance import arm_clearance
+from tools.planning.candidate import Array, Candidate
 from tools.planning.constrain_candidates import Constrained, constrain
 from tools.planning.force_choice import ForceTerms, force_terms
 from tools.planning.generate_candidates import generate_candidates
@@ -42,6 +43,18 @@ CLEARANCE = 0.006
 """Clearance wanted from everything perceived [m]; scaled by the margins of constraints and corrections."""
 LAST_CLEARANCES = (0.003, -0.001)
 """If nothing has that much, any region with this much is taken [m]; the last is contact within perception's error."""
+
+
+ARM_CLEARANCE = 0.004
+"""Distance that the arm's links keep from everything perceived [m]."""
+
+
+@dataclass(frozen=True)
+class _Around:
+    """What stands around the target: its neighbours' points (N, 3) [m], and boxes for free motions."""
+
+    points_w: Array
+    boxes: tuple[Obstacle, ...]
 
 
 class PlanArgs(Noun):
@@ -99,7 +112,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     if not switches.geometric_candidates or switches.prior == "default":
         return _literal(args, subject, chain[0], context)
     rejected: dict[str, int] = {}
-    boxes = obstacles(args.percept)
+    around = _Around(surroundings(args.percept, subject.id), obstacles(args.percept))
     candidates = _usable(generate_candidates(subject), exclude, rejected)
     pool = constrain(candidates, subject, args.constraints, rejected)
     search = Search(
@@ -107,9 +120,9 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         constraints=args.constraints,
         correction=correction,
         avoid=args.retrieval.avoid if args.retrieval and switches.prior == "experience" else (),
-        neighbours_w=surroundings(args.percept, subject.id),
+        neighbours_w=around.points_w,
         use_clearance=switches.clearance,
-        reach=lambda grasp, way: _posture(grasp, context, boxes if way else None),
+        reach=lambda grasp, way: _posture(grasp, context, around if way else None),
         rejected=rejected,
     )
     found = _search(search, pool, chain, args)
@@ -154,15 +167,25 @@ def _usable(candidates: list[Candidate], exclude: tuple[str, ...], rejected: dic
     return kept
 
 
-def _posture(grasp: Grasp, context: ToolContext, boxes: tuple[Obstacle, ...] | None) -> Posture | None:
-    """Joint angles at the grasp, if the whole motion is within reach and, with `boxes`, a free way leads there."""
+def _posture(grasp: Grasp, context: ToolContext, around: _Around | None) -> Posture | None:
+    """Joint angles at the grasp, if the arm makes the whole motion without touching what is around it.
+
+    Args:
+        grasp: The grasp.
+        context: The robot's joint angles now.
+        around: What the free way must avoid; None leaves that check out (alternatives that are only shown).
+    """
     start = np.asarray(context.robot.joints, float)
-    found = solve_reaches(grasp, start, options=1 if boxes is None else 3)
+    found = solve_reaches(grasp, start, options=1 if around is None else 3)
     if isinstance(found, Unreachable):
         return None
     for reach in found:
-        if boxes is None or plan_transit(start, reach.pregrasp, boxes) is not None:
-            return tuple(float(q) for q in reach.joints)
+        if around is not None:
+            if len(around.points_w) and arm_clearance(reach, around.points_w) < ARM_CLEARANCE:
+                continue
+            if plan_transit(start, reach.pregrasp, around.boxes) is None:
+                continue
+        return tuple(float(q) for q in reach.joints)
     return None
 
 

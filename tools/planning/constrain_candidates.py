@@ -15,6 +15,8 @@ from tools.planning.candidate import Array, Candidate, vec3
 
 CONTENT_TILT = math.radians(15.0)
 """Largest tilt off vertical while contents must stay in, if the constraint names none [rad] (ledger G11)."""
+MOST_UPRIGHT = math.radians(16.0)
+"""Only approaches at most this tilted are leaned further [rad]."""
 FULL_BIAS = 0.6
 """Share of the wanted lean that a candidate must take to count as leaning away."""
 YAW_SECTOR = math.radians(50.0)
@@ -86,7 +88,7 @@ def _lean(
         after = _limited(after, limit)
     # A side approach that already moves the wanted way, or can't be bent without losing its height, stays as it is.
     already = max(0.0, float(before @ bias) / wanted)
-    if candidate.tilt > math.radians(30.0) or after[2] > -0.3:
+    if candidate.tilt > MOST_UPRIGHT:
         return Constrained(candidate, 0.3 * (1.0 - already) if already < FULL_BIAS else 0.0)
     tilt = math.acos(max(-1.0, min(1.0, -float(after[2]))))
     x, y, z = candidate.position

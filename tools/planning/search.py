@@ -29,8 +29,8 @@ ALTERNATIVES = 2
 """Feasible candidates beyond the best that are kept for showing and for retries."""
 FREE = 1.0
 """Clearance reported where nothing is near [m]."""
-OWN_TOLERANCE = -0.0025
-"""The open hand may come this near to the target's own observed points [m]: noise of single points."""
+OWN_CLEARANCE = 0.001
+"""Distance of the open hand from the target's own observed points [m]; single noisy points don't count."""
 WIDE_MALUS = 0.25
 """Malus of places wider than `WIDEST_GRIP` where a narrower one exists."""
 
@@ -112,12 +112,10 @@ class Search:
     def _measured(self, ranked: Ranked, prior: GraspPrior, force: ForceTerms, narrow_exists: bool) -> Ranked | None:
         """The candidate with its true clearance, with a narrower opening where that helps; None if it hits itself."""
         item = ranked.item
-        own = swept_distances(ranked.grasp, self.subject.surface_points(), lift=0.0)
-        if len(own) > 3 and float(np.partition(own, 2)[2]) < OWN_TOLERANCE:
+        if not self._fits_itself(ranked.grasp, item.candidate.width):
             narrower = narrow_opening(item.candidate)
             grasp = ranked.grasp.model_copy(update={"aperture": narrower})
-            own = swept_distances(grasp, self.subject.surface_points(), lift=0.0)
-            if float(np.partition(own, 2)[2]) < OWN_TOLERANCE:
+            if not self._fits_itself(grasp, item.candidate.width):
                 self._reject("hand would touch another part of the object")
                 return None
             ranked = self._graded(item, prior, force, ranked.clearance, narrower, narrow_exists)
@@ -134,6 +132,13 @@ class Search:
             if gained > clearance + 0.002:
                 clearance, opening = gained, narrower
         return self._graded(item, prior, force, min(clearance, FREE), opening, narrow_exists)
+
+    def _fits_itself(self, grasp: Grasp, width: float) -> bool:
+        """Whether the open hand keeps off the target's own surface on its way."""
+        own = swept_distances(grasp, self.subject.surface_points(), lift=0.0)
+        # Things that fill the hand touch the fingers all the way.
+        wanted = min(OWN_CLEARANCE, (grasp.aperture - width) / 2 - 0.003)
+        return len(own) < 4 or float(np.partition(own, 2)[2]) >= wanted
 
     def _clear(self, ranked: Ranked, required: float) -> bool:
         if not self.use_clearance or ranked.clearance >= required:

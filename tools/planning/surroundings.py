@@ -9,8 +9,8 @@ from tools.planning.candidate import Array
 
 REACH_OF_HAND = 0.32
 """Objects farther from the target than this can't be met by the hand [m]: half a hand, the lift and a margin."""
-POINTS_PER_OBJECT = 160
-"""Enough for 10-mm gaps on the surfaces of things this size; the clearance wanted covers the rest."""
+POINTS_PER_OBJECT = 300
+"""Enough for 7-mm gaps on the surfaces of things this size; the clearance wanted covers the rest."""
 
 
 def surroundings(percept: Percept, target: str) -> Array:

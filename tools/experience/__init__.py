@@ -1,0 +1,1 @@
+"""Parts of gathering experience: what is tried with which object, and one physical trial."""
