@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from kb.base import Finite, Noun, Vec2, Vec3
+from kb.base import Finite, Noun
 from kb.vocabulary import ConstraintKind
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_\-]{0,63}$")]
@@ -28,7 +28,7 @@ class ObjectSpec(Noun):
     """Path of a mesh file, relative to the scene file."""
     mjcf: str | None = None
     """Path of an MJCF file with one free body, relative to the scene file."""
-    position: Vec2 | Vec3 | None = None
+    position: Annotated[tuple[Finite, ...], Field(min_length=2, max_length=3)] | None = None
     """Centre of the footprint [m], and optionally the height of the lowest point above the table. Left out and without
     `near` or `on`: drawn in the spawn area."""
     yaw: Finite = 0.0

@@ -14,8 +14,8 @@ from sim.placed import PlacedObject, PlacedScene
 
 LONGEST_S, CHECK_S = 3.0, 0.1
 """Longest time to come to rest, and time between looks [s]."""
-STILL_M = 5e-5
-"""Largest displacement between looks of a thing that rests [m]."""
+STILL_M, STILL_BALL_M = 5e-5, 5e-4
+"""Largest displacement between looks of a thing that rests, and of a ball among others [m]."""
 FINENESS = 1e-4
 """Accuracy of the height at which a thing is laid down [m]."""
 
@@ -63,12 +63,13 @@ def settle(placed: PlacedScene) -> tuple[PlacedScene, bool]:
     names = [thing.id for thing in placed.objects if not thing.fixed]
     balls = [particle_name(group.container, k) for group in placed.particles for k in range(len(group.positions))]
     free = [int(model.jnt_qposadr[model.body_jntadr[model.body(name).id]]) for name in [*names, *balls]]
+    limits = np.array([STILL_M] * len(names) + [STILL_BALL_M] * len(balls))
     before = _places(data, free)
     rests = False
     for look in range(round(LONGEST_S / CHECK_S)):
         mujoco.mj_step(model, data, nstep=round(CHECK_S / model.opt.timestep))
         after = _places(data, free)
-        rests = bool(np.abs(after - before).max(initial=0.0) < STILL_M)
+        rests = bool(np.all(np.abs(after - before).max(axis=1) < limits))
         if rests and look >= 3:
             break
         before = after
