@@ -102,7 +102,7 @@ def focal_length(camera: CameraDraw) -> float:
 
 
 @lru_cache(maxsize=8)
-def _pixel_rays(width: int, height: int, focal: float) -> NDArray[np.float32]:
+def pixel_rays(width: int, height: int, focal: float) -> NDArray[np.float32]:
     """Ray of each pixel in camera axes with z = 1, shape (H * W, 3); the principal point is the image's middle."""
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     rays = np.stack([(u - (width - 1) / 2) / focal, (v - (height - 1) / 2) / focal, np.ones_like(u, float)], axis=-1)
@@ -123,7 +123,7 @@ def _enters_volume(eye: NDArray[np.float64], rays: NDArray[np.float32]) -> NDArr
     return np.flatnonzero(near <= far)
 
 
-def _cast_rays(
+def cast_rays(
     model: Any, data: Any, eye: NDArray[np.float64], rays: NDArray[np.float32], exclude: int = -1
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float32]]:
     """Geom (N,), z-depth (N,) and surface normal (N, 3) that each ray (N, 3) with camera z = 1 meets; geom -1: none."""
@@ -150,9 +150,9 @@ def cast(model: Any, data: Any, camera: CameraDraw, placed: PlacedScene, *, whol
     """
     focal = focal_length(camera)
     eye = np.ascontiguousarray(camera.true_pose[:3, 3])
-    rays = _pixel_rays(camera.width, camera.height, focal) @ camera.true_pose[:3, :3].T.astype(np.float32)
+    rays = pixel_rays(camera.width, camera.height, focal) @ camera.true_pose[:3, :3].T.astype(np.float32)
     chosen = np.arange(len(rays)) if whole else _enters_volume(eye, rays)
-    geom, depth, normal = _cast_rays(model, data, eye, rays[chosen])
+    geom, depth, normal = cast_rays(model, data, eye, rays[chosen])
     light = _Light(model, placed)
     image = _floor(camera, eye, rays, light)
     hit = geom >= 0
@@ -197,7 +197,7 @@ def _seen_through(
     bodies = model.geom_bodyid[geoms]
     for body in np.unique(bodies):
         mine = np.flatnonzero(bodies == body)
-        geom, depth, normal = _cast_rays(model, data, eye, rays[pixels[mine]], exclude=int(body))
+        geom, depth, normal = cast_rays(model, data, eye, rays[pixels[mine]], exclude=int(body))
         hit = geom >= 0
         colours[mine[hit]] = light.shade(geom[hit], eye, rays[pixels[mine[hit]]], depth[hit], normal[hit])
     return colours
