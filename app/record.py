@@ -1,12 +1,13 @@
 """Writes a run to a folder: result, steps, camera pictures, scene graph over the picture, forces, a video.
 
-Everything that needs the run's pictures is written while it runs; the video is painted afterwards.
+The steps are written while they happen; pictures and video are drawn when the run is over.
 """
 
 from __future__ import annotations
 
 import io
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kb.percept import Percept
     from kb.rgbd import RgbdView
     from kb.run_result import RunResult
+    from kb.scene_graph import SceneGraph
     from sim.placed import PlacedScene
     from sim.world import World
 
@@ -46,9 +49,10 @@ class RunRecord:
         self.forces = ForceTrace()
         self._world: World | None = None
         self._views: Callable[[], tuple[RgbdView, ...]] = tuple
-        self._percept: Any = None
+        self._percept: Percept | None = None
         self._target: str | None = None
-        self._looks = 0
+        self._pictures: list[tuple[str, Callable[[], NDArray[np.uint8]]]] = []
+        """Name and maker of each camera picture: drawn when the run is over, so that it costs the run nothing."""
 
     def begin(self, world: World, views: Callable[[], tuple[RgbdView, ...]]) -> None:
         """Creates the folder, clears an earlier record, and listens to the world.
@@ -76,33 +80,32 @@ class RunRecord:
             stream.write(json.dumps(trace_row(step), sort_keys=True) + "\n")
         if step.kind == "look":
             self._percept = step.percept
-            self._save_look(step.percept)
+            self._keep_look(step.percept)
         elif step.kind == "grounding":
             self._target = step.target
         elif step.kind == "graphed" and self._percept is not None:
-            self._save_graph(step.graph)
+            self._keep_graph(self._percept, step.graph)
 
-    def _save_look(self, percept: Any) -> None:
-        """Colour with perceived boxes and marks, and depth, of every camera."""
+    def _keep_look(self, percept: Percept) -> None:
+        """Colour, depth, and colour with perceived boxes and marks of every camera."""
         from tools.draw_scene_graph import draw_scene_graph
 
         for view in self._views():
             stem = f"look_{percept.look}_{view.name}"
-            self._save(f"{stem}.png", view.rgb)
-            self._save(f"{stem}_depth.png", colour_depth(view.depth))
-            self._save(f"{stem}_marks.png", draw_scene_graph(view, percept, target=self._target))
+            self._pictures += [
+                (f"{stem}.png", partial(np.asarray, view.rgb)),
+                (f"{stem}_depth.png", partial(colour_depth, view.depth)),
+                (f"{stem}_marks.png", partial(draw_scene_graph, view, percept)),
+            ]
 
-    def _save_graph(self, graph: Any) -> None:
+    def _keep_graph(self, percept: Percept, graph: SceneGraph) -> None:
         """The scene graph over the front camera's picture."""
         from tools.draw_scene_graph import draw_scene_graph
 
         for view in self._views():
             if view.name == "front":
-                picture = draw_scene_graph(view, self._percept, graph, target=self._target)
-                self._save(f"look_{self._percept.look}_graph.png", picture)
-
-    def _save(self, name: str, picture: NDArray[np.uint8]) -> None:
-        write_atomically(self.folder / CAMERAS / name, png(picture))
+                draw = partial(draw_scene_graph, view, percept, graph, target=self._target)
+                self._pictures.append((f"look_{percept.look}_graph.png", draw))
 
     def finish(self, result: RunResult, progress: Callable[[str], None] = lambda _text: None) -> list[Path]:
         """Writes the result, the forces, the final picture and the video; returns all files of the record.
@@ -113,6 +116,9 @@ class RunRecord:
         """
         write_atomically(self.folder / RESULT, result_text(result))
         write_atomically(self.folder / FORCES, json.dumps(self.forces.rows()))
+        for number, (name, draw) in enumerate(self._pictures, start=1):
+            progress(f"drawing camera pictures: {number} of {len(self._pictures)}")
+            write_atomically(self.folder / CAMERAS / name, png(draw()))
         if self._world is not None:
             self._paint(self._world.placed, self._world.data.qpos.copy(), progress)
         return sorted(path for path in self.folder.rglob("*") if path.is_file())
@@ -162,7 +168,7 @@ def png(picture: NDArray[np.uint8]) -> bytes:
     from PIL import Image
 
     buffer = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "PNG")
+    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "PNG", compress_level=4)
     return buffer.getvalue()
 
 

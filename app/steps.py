@@ -84,19 +84,15 @@ def _retrieved(step: Any) -> list[str]:
 
 
 def _graphed(step: Any) -> list[str]:
-    """Every edge once; inverses are left out."""
-    from kb.vocabulary import INVERSE
+    """The relations that matter for grasping, each said once; where things lie from each other is in the record."""
+    from tools.draw_scene_graph import ARROWS, distinct_edges
 
-    shown: set[tuple[str, str, str]] = set()
-    words = []
-    for edge in step.graph.edges:
-        inverse = INVERSE.get(edge.relation)
-        if inverse is not None and (edge.target, inverse, edge.source) in shown:
-            continue
-        shown.add((edge.source, edge.relation, edge.target))
-        gap = "" if edge.gap is None else f" ({edge.gap * 1000:.0f} mm)"
-        words.append(f"{edge.source} {edge.relation} {edge.target}{gap}")
-    return words
+    lines = []
+    for edge in distinct_edges(step.graph):
+        if edge.relation in ARROWS:
+            gap = "" if edge.gap is None else f" ({edge.gap * 1000:.0f} mm)"
+            lines.append(f"{edge.source} {edge.relation} {edge.target}{gap}")
+    return lines
 
 
 def _constrained(step: Any) -> list[str]:

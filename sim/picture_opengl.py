@@ -82,13 +82,13 @@ class OpenGLPainter:
         self._aim(viewpoint)
         self._light(viewpoint)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 1
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = 1
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
         rect = mujoco.MjrRect(0, 0, width, height)
         mujoco.mjr_render(rect, self._scene, self._context)
         picture = np.zeros((height, width, 3), np.uint8)
-        depth = np.zeros((height, width), np.float32)
-        mujoco.mjr_readPixels(picture, depth, rect, self._context)
-        return _fade(picture[::-1], depth[::-1])
+        mujoco.mjr_readPixels(picture, None, rect, self._context)
+        return picture[::-1].copy()
 
     def _aim(self, viewpoint: Viewpoint) -> None:
         """Both eyes of the scene's camera at the viewpoint: a monocular picture averages them."""
@@ -116,20 +116,3 @@ class OpenGLPainter:
         key.ambient[:], key.diffuse[:], key.specular[:] = 0.0, 0.52, 0.25
         key.attenuation[:], key.cutoff, key.exponent = (1, 0, 0), 60.0, 1.0
         key.bulbradius, key.range, key.intensity = 0.1, FAR, 0.0
-
-
-def _fade(picture: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Lets the floor run out into a quiet gradient, so that there is no black sky and no horizon.
-
-    `depth` is the raw depth buffer (H, W) in [0, 1].
-    """
-    height = len(picture)
-    away = NEAR * FAR / (FAR - depth * (FAR - NEAR))
-    rows = np.linspace(1.0, 0.0, height, dtype=np.float32)[:, None, None]
-    sky = _rgb(205, 211, 219) + rows * _rgb(34, 31, 27)
-    share = np.clip((away - 2.3) / 1.6, 0.0, 1.0)[..., None].astype(np.float32)
-    return (picture * (1 - share) + sky * share + 0.5).astype(np.uint8)
-
-
-def _rgb(red: float, green: float, blue: float) -> NDArray[np.float32]:
-    return np.array([red, green, blue], np.float32)

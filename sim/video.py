@@ -19,12 +19,12 @@ from sim.picture import DRAFT, PictureMaker
 from sim.recording import Recording
 from sim.viewpoint import TABLE_SIDE, Viewpoint
 
-SAMPLE_S = 0.1
+SAMPLE_S = 0.15
 """Simulated time between two samples [s]."""
 SPEED = 2.0
 """The video runs this much faster than the simulated time."""
-MAX_FRAMES = {"opengl": 150, "raycast": 70}
-"""Painting takes about 40 and 120 ms a frame; longer runs are sampled more coarsely."""
+MAX_FRAMES = {"opengl": 100, "raycast": 60}
+"""Painting takes about 90 and 120 ms a frame on one core; longer runs are sampled more coarsely."""
 SIZES = {"opengl": (640, 360), "raycast": (400, 225)}
 """Width and height of a frame [px], by how it is painted."""
 

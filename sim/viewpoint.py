@@ -42,5 +42,5 @@ class Viewpoint:
 
 OVERVIEW = Viewpoint(eye=(1.55, -1.25, 0.95), target=(0.40, 0.02, 0.22), fovy=34.0)
 """The whole robot and the table."""
-TABLE_SIDE = Viewpoint(eye=(1.35, -0.75, 0.55), target=(0.50, 0.0, 0.12), fovy=30.0)
+TABLE_SIDE = Viewpoint(eye=(1.70, -1.00, 0.80), target=(0.40, 0.0, 0.24), fovy=33.0)
 """The table and the hand, for videos."""

@@ -18,8 +18,12 @@ MESH_COLOURS: dict[str, tuple[float, float, float, float]] = {
 """The Panda is white; its fingers are dark."""
 METAL = (0.30, 0.32, 0.35, 1.0)
 """Pedestal, legs and stands."""
-LARGEST = (1920, 1080)
+LARGEST = (1280, 720)
 """Largest OpenGL picture [px]."""
+HORIZON, ZENITH = (0.82, 0.84, 0.87), (0.94, 0.95, 0.97)
+"""Colours of the backdrop."""
+SHADOW_SIZE = 1536
+"""Pixels of the shadow map along a side: sharp enough, and cheap in software."""
 
 
 def visual_model(placed: PlacedScene) -> mujoco.MjModel:
@@ -43,11 +47,21 @@ def visual_model(placed: PlacedScene) -> mujoco.MjModel:
             height = thing.position[2] - FLOOR_Z
             half = (thing.size[0] * 0.3, thing.size[1] * 0.3, height / 2)
             _box(spec, (thing.position[0], thing.position[1], FLOOR_Z + height / 2), half)
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = LARGEST
-    # Near enough for a close-up, far enough for the room.
-    spec.visual.map.znear, spec.visual.map.zfar = 0.02, 12.0
-    spec.visual.quality.shadowsize = 4096
+    _studio(spec)
     return spec.compile()
+
+
+def _studio(spec: mujoco.MjSpec) -> None:
+    """Sky and fog of OpenGL pictures: the floor runs out into a quiet gradient, so that there is no horizon."""
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = LARGEST
+    spec.visual.map.znear, spec.visual.map.zfar = 0.02, 12.0
+    spec.visual.map.fogstart, spec.visual.map.fogend = 2.0, 4.2
+    spec.visual.rgba.fog = (*HORIZON, 1.0)
+    spec.visual.quality.shadowsize = SHADOW_SIZE
+    spec.add_texture(
+        name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=ZENITH, rgb2=HORIZON, width=256, height=256 * 6,
+    )  # fmt: skip
 
 
 def _box(spec: mujoco.MjSpec, position: tuple[float, float, float], half: tuple[float, float, float]) -> None:

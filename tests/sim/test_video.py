@@ -21,13 +21,13 @@ def recording(start: float, count: int, attempt: int = 0) -> Recording:
     return Recording("lift", attempt, time, qpos, empty, empty, empty)
 
 
-def test_samples_are_a_tenth_of_a_second_apart_over_phases() -> None:
+def test_samples_are_evenly_apart_over_phases() -> None:
     """However the motion is cut into phases, samples are `SAMPLE_S` apart."""
     sampler = MotionSampler()
     for start in np.arange(0.0, 2.0, 0.25):
         sampler.on_recording(recording(float(start), 125))
     steps = np.diff([moment.time for moment in sampler.moments])
-    assert len(sampler.moments) == 20
+    assert len(sampler.moments) == 14
     assert np.allclose(steps, SAMPLE_S, atol=0.0021)
 
 
@@ -51,7 +51,7 @@ def test_sampling_goes_on_when_the_world_is_put_back() -> None:
 def test_at_most_so_many_moments_are_chosen_in_order(count: int, most: int) -> None:
     """Never more than asked for, in order, without repeats."""
     sampler = MotionSampler()
-    sampler.on_recording(recording(0.0, count * 50))
+    sampler.on_recording(recording(0.0, count * 80))
     chosen = choose_moments(sampler.moments[:count], most)
     times = [moment.time for moment in chosen]
     assert len(chosen) == min(count, most)
