@@ -81,7 +81,7 @@ def _loop_grip(
 def stem_candidates(subject: PerceivedObject, stem: Part) -> list[Candidate]:
     """Side grasps of a vertical stem, dipping so that the hand stays above the foot and below the bowl."""
     found: list[Candidate] = []
-    for share in (0.15, -0.15, 0.0):
+    for share in (0.15, 0.25, -0.15, 0.0):
         height = stem.centre[2] + share * stem.length
         found += side_grips(
             subject,
@@ -100,9 +100,9 @@ def stem_candidates(subject: PerceivedObject, stem: Part) -> list[Candidate]:
 def neck_candidates(subject: PerceivedObject, neck: Part) -> list[Candidate]:
     """Grasps of a vertical neck: from the side, and from above where it ends the object."""
     found = side_grips(subject, "neck", "mid", np.asarray(neck.centre), neck.centre[2], neck.width, None)
-    low = side_grips(
-        subject, "neck", "low", np.asarray(neck.centre), neck.centre[2] - neck.length / 4, neck.width, None
-    )
+    for label, share in (("low", -0.25), ("high", 0.25)):
+        height = neck.centre[2] + share * neck.length
+        found += side_grips(subject, "neck", label, np.asarray(neck.centre), height, neck.width, None)
     height = max(neck.centre[2], palm_floor(subject.top_z, 0.0))
     if height <= neck.centre[2] + neck.length / 2:
         for k in range(6):
@@ -120,7 +120,7 @@ def neck_candidates(subject: PerceivedObject, neck: Part) -> list[Candidate]:
                     merit=-0.1,
                 )
             )
-    return found + low
+    return found
 
 
 def tool_candidates(subject: PerceivedObject, handle: Part) -> list[Candidate]:
