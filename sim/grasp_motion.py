@@ -26,6 +26,8 @@ OPENING_FORCE = 20.0
 """Motor force while the hand opens or stands open [N]."""
 OPTIONS, DETOURS = 5, 3
 """Arm configurations compared by their direct way, and by detours if no direct way is free."""
+REST_STEPS = 30
+"""Steps for which fingers must rest and press before the hand counts as closed."""
 TEST_LIFT = 0.02
 """Height at which the load is weighed [m]."""
 HOLD_S, SHAKE_S = 2.0, 2.0
@@ -110,7 +112,7 @@ def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
         nonlocal resting
         still = abs(data[speed]) < REST_SPEED and -data[force] > 0.98 * grasp.force
         resting = resting + 1 if still else 0
-        return "rest" if resting >= 20 else None
+        return "rest" if resting >= REST_STEPS else None
 
     longest = (motion.aperture - CLOSED) / 0.1 + 0.6
     closed = motion.run(hold(reach.joints, CLOSED, longest), "close", check)

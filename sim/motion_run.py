@@ -17,8 +17,8 @@ from sim.controller import GRIP_COLUMN, along, follow, hold, steps
 from sim.kinematics import tcp_poses
 from sim.recording import Recording
 from sim.stop import StopSwitch
-from sim.world import World
-from sim.wrench import WristReader, moving_mean
+from sim.world import GUARD_EVERY, World
+from sim.wrench import WINDOW, WristReader, moving_mean
 
 Array = NDArray[np.float64]
 Cause = Literal["force", "timeout", "stop", "unreachable", "path"]
@@ -27,7 +27,7 @@ Check = Callable[[], str | None]
 
 TIME_LIMIT = 60.0
 """Simulated time after which a motion is given up [s] (benchmark: 60 s per attempt)."""
-HALT_S = 0.1
+HALT_S = 0.3
 """Simulated time in which a halted arm comes to rest [s]."""
 LAG_LIMIT = 0.02
 """Lag of a joint behind its command that means a collision [rad]; free motions stay below 0.006."""
@@ -59,14 +59,14 @@ class HaltedError(Exception):
 class MotionRun:
     """Runs the phases of one motion and keeps the readings that `Sensing` reports."""
 
-    def __init__(self, world: World, stop: StopSwitch, limit: float = TIME_LIMIT) -> None:
+    def __init__(self, world: World, stop: StopSwitch, limit: float | None = None) -> None:
         world.attempt += 1
         self.world = world
         self.stop = stop
         self.wrist = WristReader(world.index.sensors)
         self.fields: dict[str, Any] = {}
         self.started = world.time
-        self.limit = limit
+        self.limit = TIME_LIMIT if limit is None else limit
         self.tracking = 0.0
         self.loads: list[Array] = []
         """Carried mass per step of the phases after the test lift [kg]."""
@@ -116,7 +116,7 @@ class MotionRun:
                 return "timeout"
             return None if check is None else check()
 
-        recording = self.world.run(controls, phase, guard)
+        recording = self.world.run(controls, phase, guard, every=GUARD_EVERY if check is None else 1)
         self._track(recording)
         if recording.ended_by in ("stop", "timeout", "force"):
             self.halt(phase)
@@ -165,14 +165,14 @@ class MotionRun:
         """
         sensed, wrist, commands = self.world.data.sensordata, self.wrist, self.world.data.ctrl
         encoders = self.world.index.sensors["robot/joint_position"]
-        recent = np.zeros((3, 3))
+        recent = np.zeros((WINDOW, 3))
         count = 0
 
         def check() -> str | None:
             nonlocal count
-            recent[count % 3] = wrist.force(sensed)
+            recent[count % WINDOW] = wrist.force(sensed)
             count += 1
-            mean = recent.sum(axis=0) / min(count, 3)
+            mean = recent.sum(axis=0) / min(count, WINDOW)
             size = float(np.sqrt(mean @ mean))
             lag = float(np.abs(commands[0:GRIP_COLUMN:3] - sensed[encoders]).max())
             if size <= limit and lag <= LAG_LIMIT:

@@ -23,13 +23,15 @@ Array = NDArray[np.float64]
 Guard = Callable[[int], str | None]
 """Called with the number of the step just made; a text ends the run and says why."""
 
-GUARD_EVERY = 2
-"""Steps between two calls of the guard: every 4 ms."""
+GUARD_EVERY = 5
+"""Steps between two calls of the guard, unless said otherwise: every 10 ms of simulated time."""
 SETTLE_S, SETTLE_PARTICLES_S = 0.1, 0.6
 """Simulated time in which a new scene comes to rest, without and with loose contents [s]."""
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 SLEEP_ARRAYS = ("tree_asleep", "tree_awake", "body_awake", "body_awake_ind", "parent_awake_ind", "dof_awake_ind")
 SLEEP_COUNTS = ("ntree_awake", "nbody_awake", "nparent_awake", "nv_awake")
+ACCELERATIONS = ("qacc", "qacc_smooth")
+"""Sleeping bodies keep their last accelerations and wake with them as the solver's first guess."""
 MAGIC = b"ragvlm-world-1\n"
 
 
@@ -84,13 +86,14 @@ class World:
         """A copy of one sensor's latest reading."""
         return self.data.sensordata[self.index.sensors[sensor]].copy()
 
-    def run(self, controls: Array, phase: Phase, guard: Guard | None = None) -> Recording:
+    def run(self, controls: Array, phase: Phase, guard: Guard | None = None, *, every: int = GUARD_EVERY) -> Recording:
         """Steps the physics under the controls, one row a step, and tells the recorders.
 
         Args:
             controls: Control inputs, shape (T, nu).
             phase: Name of the phase for the record.
-            guard: Called every `GUARD_EVERY` steps; a returned text ends the run after that step.
+            guard: Called every `every` steps; a returned text ends the run after that step.
+            every: Steps between two calls of the guard.
         """
         model, data, step = self.model, self.data, mujoco.mj_step
         count = len(controls)
@@ -106,7 +109,7 @@ class World:
             live_ctrl[:] = controls[i]
             step(model, data)
             sensed[i] = live_sensors
-            if guard is not None and i % GUARD_EVERY == 0:
+            if guard is not None and i % every == 0:
                 ended_by = guard(i)
                 if ended_by is not None:
                     made = i + 1
@@ -132,6 +135,7 @@ class World:
         text = json.dumps(header).encode()
         asleep = np.concatenate([getattr(self.data, name) for name in SLEEP_ARRAYS] + [self._sleep_counts()])
         parts = [text, state.tobytes(), asleep.astype(np.int32).tobytes(), self.data.sensordata.tobytes()]
+        parts += [getattr(self.data, name).tobytes() for name in ACCELERATIONS]
         return MAGIC + b"".join(struct.pack("<I", len(part)) + part for part in parts)
 
     def _sleep_counts(self) -> NDArray[np.int32]:
@@ -143,7 +147,7 @@ class World:
         Raises:
             BadInputError: the blob is not a snapshot of this scene.
         """
-        header, state, asleep, sensors = _unpack(blob)
+        header, state, asleep, sensors, accelerations = _unpack(blob)
         if (header["scene"], header["seed"]) != (self.placed.name, self.placed.seed):
             raise BadInputError(
                 f"the snapshot is of scene {header['scene']!r} seed {header['seed']}",
@@ -164,6 +168,8 @@ class World:
         for name, value in zip(SLEEP_COUNTS, asleep[sum(sizes) :], strict=True):
             setattr(self.data, name, int(value))
         self.data.sensordata[:] = sensors
+        for name, values in zip(ACCELERATIONS, accelerations, strict=True):
+            getattr(self.data, name)[:] = values
         self.attempt = int(header["attempt"])
         self.notes = dict(header["notes"])
 
@@ -182,8 +188,8 @@ class World:
         return capture_all(self.model, self.data, [cameras[name] for name in names], self.placed, rng)
 
 
-def _unpack(blob: bytes) -> tuple[dict, Array, NDArray[np.int32], Array]:
-    """Header, state vector, sleep cycles and sensor readings of a snapshot."""
+def _unpack(blob: bytes) -> tuple[dict, Array, NDArray[np.int32], Array, list[Array]]:
+    """Header, state vector, sleep cycles, sensor readings and accelerations of a snapshot."""
     if not blob.startswith(MAGIC):
         raise BadInputError("this is not a snapshot of a world")
     parts, at = [], len(MAGIC)
@@ -191,11 +197,12 @@ def _unpack(blob: bytes) -> tuple[dict, Array, NDArray[np.int32], Array]:
         (size,) = struct.unpack_from("<I", blob, at)
         parts.append(blob[at + 4 : at + 4 + size])
         at += 4 + size
-    if len(parts) != 4:
+    if len(parts) != 4 + len(ACCELERATIONS):
         raise BadInputError("the snapshot is incomplete")
     return (
         json.loads(parts[0]),
         np.frombuffer(parts[1], np.float64),
         np.frombuffer(parts[2], np.int32),
         np.frombuffer(parts[3], np.float64),
+        [np.frombuffer(part, np.float64) for part in parts[4:]],
     )

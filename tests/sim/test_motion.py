@@ -1,0 +1,110 @@
+"""Laws of free motions: smooth, within the robot's limits, and clear of obstacles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kb.grasp import Grasp
+from sim.controller import along, follow
+from sim.curve import cubic_spline, quintic
+from sim.motion import Obstacle, Transit, clearances, plan_transit
+from sim.panda import Q_ACCELERATION, Q_VELOCITY, READY
+from sim.reach import Reach, solve_reach
+
+WALL = Obstacle((0.5, 0.0, 0.15), 0.0, (0.20, 0.02, 0.15))
+"""A 30-cm wall between the left and the right half of the table."""
+
+
+def _pregrasp(x: float, y: float) -> np.ndarray:
+    grasp = Grasp(position=(x, y, 0.06), approach=(0, 0, -1), yaw=0.0, aperture=0.07, force=15, type="pinch")
+    reach = solve_reach(grasp)
+    assert isinstance(reach, Reach)
+    return reach.pregrasp
+
+
+@pytest.fixture(scope="module")
+def sides() -> tuple[np.ndarray, np.ndarray]:
+    return _pregrasp(0.5, 0.22), _pregrasp(0.5, -0.22)
+
+
+def test_a_transit_begins_and_ends_at_rest_within_the_limits(sides: tuple[np.ndarray, np.ndarray]) -> None:
+    """Velocity and acceleration stay below Franka's limits, and both vanish at the ends."""
+    for goal in sides:
+        transit = plan_transit(READY, goal)
+        assert isinstance(transit, Transit)
+        joints = np.vstack([READY, transit.samples(0.002)])
+        velocity = np.diff(joints, axis=0) / 0.002
+        acceleration = np.diff(velocity, axis=0) / 0.002
+        assert (np.abs(velocity).max(axis=0) < Q_VELOCITY).all()
+        assert (np.abs(acceleration).max(axis=0) < Q_ACCELERATION).all()
+        assert np.abs(velocity[[0, -1]]).max() < 0.02
+        assert joints[-1] == pytest.approx(goal, abs=1e-9)
+        assert 0.5 < transit.duration < 2.5
+
+
+def test_a_wall_is_passed_over(sides: tuple[np.ndarray, np.ndarray]) -> None:
+    """The direct way through a wall is refused; a way above keeps the margin at every configuration."""
+    left, right = sides
+    direct = plan_transit(left, right)
+    assert direct is not None
+    assert direct.vias == 0
+    assert clearances(direct.path, [WALL])[:, 1].min() < 0.0
+    around = plan_transit(left, right, [WALL])
+    assert around is not None
+    assert around.vias > 0
+    dense = around.samples(0.02)
+    assert clearances(dense, [WALL])[:, 1].min() > 0.01
+    assert clearances(dense, [])[:, 0].min() > 0.0
+
+
+def test_no_way_is_none() -> None:
+    """Where the goal is walled in, the answer is None and not a collision."""
+    goal = _pregrasp(0.5, 0.0)
+    cage = [Obstacle((0.5, s * 0.16, 0.5), 0.0, (0.4, 0.02, 0.5)) for s in (1, -1)]
+    cage += [Obstacle((x, 0.0, 0.62), 0.0, (0.02, 0.3, 0.6)) for x in (0.40, 0.62)]
+    assert plan_transit(READY, goal, cage) is None
+
+
+def test_nearness_of_the_goal_is_allowed_but_not_exceeded(sides: tuple[np.ndarray, np.ndarray]) -> None:
+    """A goal 3 mm from an obstacle is reached, and the path comes no closer than the goal itself."""
+    goal = sides[0]
+    box = Obstacle((0.5, 0.22, 0.0), 0.0, (0.06, 0.06, 0.1))
+    near = float(clearances(goal[None], [box])[0, 1])
+    taller = Obstacle((0.5, 0.22, 0.0), 0.0, (0.06, 0.06, 0.1 + near - 0.003))
+    assert clearances(goal[None], [taller])[0, 1] == pytest.approx(0.003, abs=1e-3)
+    transit = plan_transit(READY, goal, [taller])
+    assert transit is not None
+    assert clearances(transit.path, [taller])[:, 1].min() > 0.001
+
+
+def test_a_held_object_is_kept_clear_too(sides: tuple[np.ndarray, np.ndarray]) -> None:
+    """What hangs 15 cm below the hand makes the way over a wall higher or longer."""
+    left, right = sides
+    low = Obstacle((0.5, 0.0, 0.05), 0.0, (0.10, 0.02, 0.05))
+    assert plan_transit(left, right, [low]) is not None
+    load = np.array([[0.0, 0.0, 0.10 + share] for share in np.linspace(0.0, 0.06, 3)])
+    loaded = plan_transit(left, right, [low], carried=load)
+    assert loaded is not None
+    assert clearances(loaded.path, [low], load)[:, 1].min() > 0.0
+
+
+def test_spline_passes_its_knots_and_reproduces_lines() -> None:
+    """The cubic spline interpolates its knots and is exact on straight lines."""
+    knots = np.array([0.0, 0.3, 0.5, 1.0])
+    values = np.random.default_rng(0).normal(size=(4, 7))
+    assert cubic_spline(knots, values, knots) == pytest.approx(values)
+    straight = np.outer(knots, np.arange(7.0)) + 1.0
+    at = np.linspace(0, 1, 33)
+    assert cubic_spline(knots, straight, at) == pytest.approx(np.outer(at, np.arange(7.0)) + 1.0)
+
+
+def test_controls_carry_the_derivative_of_the_path() -> None:
+    """Velocity inputs are the time derivative of the position inputs, also at the first step."""
+    path = np.array([READY, READY + 0.2, READY + 0.3])
+    joints = along(path, 1.0)
+    controls = follow(joints, 0.05, path[0])
+    integrated = path[0] + np.cumsum(controls[:, 1:21:3], axis=0) * 0.002
+    assert integrated == pytest.approx(joints, abs=2e-3)
+    assert controls[:, 21] == pytest.approx(np.full(len(joints), 0.05))
+    assert quintic(500)[-1] == 1.0
