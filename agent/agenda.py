@@ -20,6 +20,16 @@ _FRESH: Update = {
 """What belongs to one goal and must not leak into the next."""
 
 
+def ordered(goals: tuple[Goal, ...]) -> tuple[int, ...]:
+    """The agenda for what was asked: in the order of speaking, but what was to come first before its parent."""
+    stack: list[int] = []
+    for index in reversed(range(len(goals))):
+        if goals[index].parent is None:
+            stack.append(index)
+            stack += [i for i in reversed(range(len(goals))) if goals[i].parent == index]
+    return tuple(stack)
+
+
 def fresh() -> Update:
     """The update that clears what belonged to the last goal."""
     return Update(**_FRESH)

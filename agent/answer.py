@@ -8,7 +8,7 @@ from agent import phrases
 from agent.attempt import Attempt
 from agent.brain import Situation, Spoken
 from agent.goal import Goal, Query
-from agent.language.resolve import Scope, describe, listing, resolve, spoken
+from agent.language.resolve import Scope, describe, leftness, listing, resolve, spoken
 from kb.grasp import GraspField, Provenance
 from kb.percept import PerceivedObject
 from prompts import load_prompt
@@ -79,7 +79,7 @@ def _see(situation: Situation, goal: Goal) -> str:
     objects = situation.percept.objects
     if not objects:
         return "I see nothing on the table."
-    lines = [_properties_of(obj, situation) for obj in sorted(objects, key=lambda o: -o.position[1])]
+    lines = [_properties_of(obj, situation) for obj in sorted(objects, key=leftness, reverse=True)]
     return f"I see {listing(objects)}. " + " ".join(lines)
 
 

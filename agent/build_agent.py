@@ -37,7 +37,8 @@ class Agent:
     def __init__(
         self, context: Any, graph: Any, names: dict[str, str], *, thread: str | None, approve: Approve | None
     ) -> None:
-        self._context = context
+        self.context = context
+        """What the nodes are injected with (`agent.context.AgentContext`)."""
         self._graph = graph
         self._names = names
         self._approve = approve
@@ -54,12 +55,12 @@ class Agent:
     @property
     def opened(self) -> OpenedWorld:
         """The world with robot and observer; for pictures, videos and reports."""
-        return self._context.world.opened
+        return self.context.world.opened
 
     @property
     def views(self) -> tuple[Any, ...]:
         """Pictures of the last look."""
-        return self._context.tools.robot.views
+        return self.context.tools.robot.views
 
     @property
     def state(self) -> State:
@@ -104,25 +105,25 @@ class Agent:
         if not self._running.acquire(blocking=False):
             raise BadInputError("this agent is busy with another instruction", where="run")
         try:
-            start = self._context.clock()
+            start = self.context.clock()
             entry: Any = None if self.interrupted == text else {"instruction": text, "times": {}}
             while entry is not False:
                 yield from self._steps(entry)
                 entry = yield from self._decide()
-            self.result = self._result(self._context.clock() - start)
+            self.result = self._result(self.context.clock() - start)
         finally:
-            self._context.emit = lambda _step: None
+            self.context.emit = lambda _step: None
             self._running.release()
 
     def _steps(self, entry: Any) -> Iterator[BaseStep]:
         """Runs the graph in a thread of its own until it ends or waits, and yields its steps."""
         told: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._context.emit = told.put
+        self.context.emit = told.put
         failures: list[BaseException] = []
 
         def work() -> None:
             try:
-                self._graph.invoke(entry, self._config, context=self._context, durability=self._durability)
+                self._graph.invoke(entry, self._config, context=self.context, durability=self._durability)
             except BaseException as error:
                 failures.append(error)
             finally:

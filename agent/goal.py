@@ -14,7 +14,7 @@ Extreme = Literal[
     "biggest", "smallest", "tallest", "shortest", "widest", "thinnest", "heaviest", "lightest", "most_fragile",
     "least_fragile", "leftmost", "rightmost", "nearest", "farthest", "middle",
 ]  # fmt: skip
-"""A superlative that singles one thing out; "nearest" and "farthest" are seen from the robot."""
+"""A superlative that singles one thing out; places are seen by the person at the front camera (kb.viewpoint)."""
 
 RelationWord = Literal[
     "near", "left_of", "right_of", "behind", "in_front_of", "on", "under", "between", "in", "touching", "nearest_to"
@@ -85,8 +85,10 @@ class Placement(Noun):
     reference: Reference | None = None
     target: str | None = None
     """Perceived id of the reference, once grounded."""
+    or_aside: bool = False
+    """Where there is no bin, out of the way will do ("remove the block")."""
     lane: tuple[int, int] | None = None
-    """(number from the left, number of lanes)."""
+    """(number from the robot's left, number of lanes)."""
 
 
 class Goal(Noun):

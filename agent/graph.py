@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from langgraph.graph import StateGraph
@@ -12,32 +13,41 @@ from agent.simulate import simulate
 from agent.state import State
 
 
-def wire() -> StateGraph[State, AgentContext, State, State]:
-    """The graph before compilation."""
-    graph = StateGraph(State, context_schema=AgentContext)
+def wire(
+    schema: type[Any] = AgentContext,
+    wrap: Callable[[Callable[..., Any]], Callable[..., Any]] = lambda function: function,
+) -> StateGraph[State, Any, State, State]:
+    """The graph before compilation.
+
+    Args:
+        schema: type of the injected context.
+        wrap: applied to each node and routing function that reads the context.
+    """
+    graph = StateGraph(State, context_schema=schema)
     for node in (
         nodes.understand, nodes.look, nodes.ground, nodes.retrieve, nodes.build_graph, nodes.constrain, nodes.remove_first,
         nodes.choose, nodes.plan, nodes.look_once_more, nodes.think, nodes.rehearse, nodes.approve, nodes.act,
-        nodes.look_after, nodes.observe, nodes.reflect, nodes.remember, nodes.place, nodes.give_up, nodes.conclude,
-        nodes.answer, simulate,
+        nodes.look_after, nodes.observe, nodes.set_back, nodes.reflect, nodes.remember, nodes.place, nodes.give_up,
+        nodes.conclude, nodes.answer, simulate,
     ):  # fmt: skip
-        graph.add_node(node.__name__, node)
+        graph.add_node(node.__name__, wrap(node))
     graph.set_entry_point("understand")
     graph.add_conditional_edges("understand", routing.after_understand)
     graph.add_edge("look", "ground")
-    graph.add_conditional_edges("ground", routing.after_ground)
-    graph.add_conditional_edges("retrieve", routing.after_retrieve)
-    graph.add_conditional_edges("build_graph", routing.after_graph)
+    graph.add_conditional_edges("ground", wrap(routing.after_ground))
+    graph.add_conditional_edges("retrieve", wrap(routing.after_retrieve))
+    graph.add_conditional_edges("build_graph", wrap(routing.after_graph))
     graph.add_conditional_edges("constrain", routing.after_constrain)
     graph.add_edge("remove_first", "ground")
     graph.add_conditional_edges("choose", routing.go_on)
     graph.add_conditional_edges("plan", routing.after_plan)
     graph.add_edge("look_once_more", "look")
-    graph.add_conditional_edges("think", routing.after_think)
+    graph.add_conditional_edges("think", wrap(routing.after_think))
     graph.add_conditional_edges("rehearse", routing.go_on)
     graph.add_conditional_edges("approve", routing.after_approve)
     graph.add_edge("act", "observe")
     graph.add_conditional_edges("observe", routing.after_observe)
+    graph.add_edge("set_back", "look_after")
     graph.add_edge("look_after", "observe")
     graph.add_conditional_edges("reflect", routing.after_reflect)
     graph.add_conditional_edges("remember", routing.after_remember)

@@ -135,6 +135,9 @@ def _thing(state: State, percept: Percept) -> Grounded:
     if held is None and goal.placement is not None and goal.placement.kind == "back" and goal.parent is None:
         return _over(state, "There is nothing in my hand that I could put back.")
     placement, problem = _destination(goal.placement, scope)
+    if placement is not None and placement.kind == "bin" and percept.bin is None:
+        problem = None if placement.or_aside else "There is no bin here."
+        placement = placement.model_copy(update={"kind": "aside"}) if placement.or_aside else placement
     if problem is not None:
         return _over(state, problem)
     said = goal.reference.categories
@@ -236,7 +239,7 @@ def _many(state: State, percept: Percept) -> Grounded:
         ids = tuple(obj.id for obj in order)
     fixed = goal.model_copy(update={"reference": reference.model_copy(update={"ids": ids, "plural": True})})
     names = ", ".join(percept.object(i).category.replace("_", " ") for i in ids)
-    text = f"In this order, from right to left: {names}." if goal.kind == "sort" else f"That is: {names}."
+    text = f"In this order, from your left to your right: {names}." if goal.kind == "sort" else f"That is: {names}."
     return Grounded(Update(goals=changed(state, fixed), **fresh()), (events.Grounding(text=text, goal=state.current),))
 
 

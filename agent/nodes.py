@@ -20,7 +20,7 @@ from agent.context import AgentContext
 from agent.episode import history, recalled, with_success
 from agent.ground import ground_goals
 from agent.ladder import budget, irreversible, level_of
-from agent.placing import place_args
+from agent.placing import place_args, put_back_args
 from agent.state import State, Update
 from kb.constraint import Constraints
 from kb.sensing import Evidence
@@ -78,7 +78,7 @@ def understand(state: State, runtime: Run) -> Update:
         turn=turn,
         messages=[said],
         goals=got.goals,
-        agenda=tuple(reversed(range(len(got.goals)))),
+        agenda=agenda.ordered(got.goals),
         answer=got.refusal or got.question or "",
         question=got.question,
         refused=got.refusal is not None or got.question is not None,
@@ -329,6 +329,25 @@ def observe(state: State, runtime: Run) -> Update:
     return Update(diagnosis=diagnosis, attempts=(judged,), times=times)
 
 
+def set_back(state: State, runtime: Run) -> Update:
+    """After a failure something may still hang in the hand: it goes back onto the table before anybody looks."""
+    context, last, times = runtime.context, state.attempts[-1], dict[str, float]()
+    opened = context.world.at(state.world)
+    if not opened.robot.holding or context.stopped:
+        return Update()
+    context.emit(
+        events.Action(
+            text="I put back what is in my hand.", goal=state.current, tool="place_object", motion=opened.motions + 1
+        )
+    )
+    context.world.moving()
+    with context.timed("execution", times):
+        place_object(put_back_args(last), context.tool("place", opened.motions))
+        if opened.robot.holding:  # no free place: better let go here than carry it into the next attempt
+            opened.robot.release_and_home()
+    return Update(world=context.world.moved(), stale=True, times=times)
+
+
 def reflect(state: State, runtime: Run) -> Update:
     """Reflection: the correction at the level of the next attempt, or an honest end."""
     context, times = runtime.context, dict[str, float]()
@@ -337,7 +356,10 @@ def reflect(state: State, runtime: Run) -> Update:
     if broken or len(tries) >= budget(context.switches) or context.stopped:
         why = broken or ("stopped" if context.stopped else phrases.exhausted(tries))
         context.emit(events.Reflection(text=phrases.give_up(why, last), goal=state.current, level=state.level))
-        return finish(state, claimed=False, note=why)
+        held = None
+        if context.world.at(state.world).robot.holding:  # stopped in the middle: the next command must know
+            held = Held(plan=last.plan, object=last.target, category=last.target.category)
+        return Update(held=held, **finish(state, claimed=False, note=why))
     level, offered = level_of(len(tries), context.switches), None
     if context.switches.diagnosis_used:
         args = CorrectArgs(

@@ -7,7 +7,7 @@ import math
 from agent.approval import Decision
 from agent.attempt import Attempt, Held
 from agent.goal import Goal, Understanding
-from agent.language.resolve import describe, listing, spoken
+from agent.language.resolve import describe, leftness, listing, spoken
 from agent.state import State
 from kb.constraint import Constraints
 from kb.experience import Retrieval
@@ -264,7 +264,9 @@ def placed(sensing: Sensing, goal: Goal) -> tuple[bool, str]:
 
 
 def whereabouts(obj: PerceivedObject, percept: Percept) -> str:
-    """Where it stands, as in "45 cm in front of me, 10 cm to the left"."""
-    x, y = obj.position[0], obj.position[1]
-    side = "straight ahead" if abs(y) < 0.015 else f"{abs(y) * 100:.0f} cm to the {'left' if y > 0 else 'right'}"
-    return f"{describe(obj, percept.objects)} stands {x * 100:.0f} cm in front of my base, {side}"
+    """Where it stands, as in "45 cm in front of my base, 10 cm to your left"."""
+    left = leftness(obj)
+    side = (
+        "straight ahead" if abs(left) < 0.015 else f"{abs(left) * 100:.0f} cm to your {'left' if left > 0 else 'right'}"
+    )
+    return f"{describe(obj, percept.objects)} stands {obj.position[0] * 100:.0f} cm in front of my base, {side}"

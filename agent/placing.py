@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from agent.agenda import on_table
+from agent.attempt import Attempt
 from agent.goal import Placement
 from agent.state import State
 from kb.base import Vec2
+from kb.percept import Percept
 from tools.place_object import PlaceArgs, Relation
 
 LANE_X: tuple[float, float] = (0.35, 0.68)
@@ -21,12 +23,33 @@ def lane_of(lane: tuple[int, int]) -> tuple[Vec2, Vec2]:
     return ((LANE_X[0], centre - LANE_WIDTH / 2), (LANE_X[1], centre + LANE_WIDTH / 2))
 
 
+_MIRRORED: dict[str, str] = {
+    "left": "right", "right": "left", "front": "back", "back": "front", "left_of": "right_of", "right_of": "left_of",
+    "behind": "in_front_of", "in_front_of": "behind",
+}  # fmt: skip
+
+
+def in_robots_words(placement: Placement) -> Placement:
+    """The placement with left, right, front and back as the robot sees them.
+
+    A person speaks from the front camera (kb.viewpoint), opposite to the robot; `place_object` and the observer's check
+    of a placement count sides from the robot's base.
+    """
+    side, relation = placement.side, placement.relation
+    return placement.model_copy(
+        update={
+            "side": _MIRRORED.get(side, side) if side else None,
+            "relation": _MIRRORED.get(relation, relation) if relation else None,
+        }
+    )
+
+
 def place_args(state: State) -> PlaceArgs:
     """Arguments for putting down what is in the hand as the goal in work says."""
     held, percept, placement = state.held, state.percept, state.goal.placement
     assert held is not None
     assert percept is not None
-    placement = placement or Placement(kind="aside")
+    placement = in_robots_words(placement or Placement(kind="aside"))
     here = tuple(obj for obj in percept.objects if obj.id != held.object.id)
     percept = percept.model_copy(update={"objects": here})
     x, y = held.object.position[0], held.object.position[1]
@@ -51,6 +74,13 @@ def place_args(state: State) -> PlaceArgs:
         relation=_relation(placement),
         slot=slot if placement.kind == "bin" else 0,
     )
+
+
+def put_back_args(attempt: Attempt) -> PlaceArgs:
+    """Arguments for putting what a failed attempt left in the hand back where it stood."""
+    percept = attempt.percept or Percept(look=0, perception="rgbd", objects=())
+    point = (attempt.target.position[0], attempt.target.position[1])
+    return PlaceArgs(percept=percept, held=attempt.plan, object=attempt.target, kind="point", point=point)
 
 
 def _relation(placement: Placement) -> Relation:

@@ -92,11 +92,11 @@ def after_approve(state: State) -> Literal["act", "answer"]:
     return "act" if state.agenda and state.plan is not None else "answer"
 
 
-def after_observe(state: State) -> Literal["remember", "look_after", "reflect"]:
-    """A claimed success is remembered; a failure is looked at once, then reflected on."""
+def after_observe(state: State) -> Literal["remember", "set_back", "reflect"]:
+    """A claimed success is remembered; after a failure the hand is emptied, then looked at once, then reflected on."""
     if state.diagnosis is not None and state.diagnosis.claimed:
         return "remember"
-    return "look_after" if state.camera is None else "reflect"
+    return "set_back" if state.camera is None else "reflect"
 
 
 def after_reflect(state: State) -> Literal["look", "ground", "answer"]:

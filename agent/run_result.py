@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 from agent.attempt import Attempt
 from agent.goal import Goal
+from agent.placing import in_robots_words
 from agent.state import State
 from kb.base import Vec3
 from kb.run_result import (
@@ -134,7 +135,7 @@ def _judged(
     if index not in state.motions:
         return False, verdict
     other = _other(state, goal, observer, state.motions[index])
-    placed = observer.judge(state.motions[index], meant, goal.placement, other)
+    placed = observer.judge(state.motions[index], meant, in_robots_words(goal.placement), other)
     if verdict is None:
         return placed.success, placed.verdict
     damage = tuple(dict.fromkeys((*verdict.damage, *placed.verdict.damage)))

@@ -167,7 +167,7 @@ RELATIONS: tuple[tuple[str, RelationWord], ...] = (
     ("in front of", "in_front_of"), ("before", "in_front_of"), ("behind", "behind"), ("in back of", "behind"),
     ("hidden by", "behind"), ("hidden behind", "behind"), ("occluded by", "behind"),
     ("nearest to", "nearest_to"), ("closest to", "nearest_to"), ("nearest", "nearest_to"), ("closest", "nearest_to"),
-    ("right next to", "near"), ("next to", "near"), ("close to", "near"), ("near to", "near"), ("near", "near"),
+    ("right next to", "near"), ("closer to", "near"), ("nearer to", "near"), ("next to", "near"), ("close to", "near"), ("near to", "near"), ("near", "near"),
     ("nearby", "near"), ("beside", "near"), ("besides", "near"), ("by the side of", "near"), ("by", "near"),
     ("alongside", "near"), ("adjacent to", "near"), ("at", "near"), ("around", "near"), ("next", "near"),
     ("touching", "touching"), ("leaning on", "touching"), ("leaning against", "touching"), ("against", "touching"),
@@ -229,7 +229,7 @@ FILLERS = (
     "please", "kindly", "just", "now", "robot", "panda", "hey", "hi", "hello", "ok", "okay", "well", "so", "um", "uh", "oh",
     "gently", "carefully", "slowly", "quickly", "softly", "immediately", "again", "maybe", "simply", "thanks", "thank you",
     "cheers", "alright", "then", "also", "too", "right now", "for me", "if you can", "if possible", "if you do not mind",
-    "as soon as possible", "very carefully", "really", "would you", "will you", "finally", "next", "pls", "plz", "buddy",
+    "as soon as possible", "very carefully", "really", "finally", "next", "pls", "plz", "buddy",
     "my friend", "dear", "there", "quick", "try to", "go ahead and", "i said", "with your gripper", "with the gripper",
     "with care", "sir", "mate", "afterwards", "for us", "somewhere safe", "over there", "right there",
 )  # fmt: skip

@@ -11,6 +11,7 @@ import re
 
 from agent.goal import Goal, Measure, Placement, Reference, Understanding
 from agent.language import lexicon
+from agent.language.asides import without_asides
 from agent.language.read_place import read_place
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
@@ -37,6 +38,14 @@ VERBS: tuple[tuple[str, str], ...] = tuple(
 SEQUENCE = ("and then", "then", "after that", "afterwards", "and afterwards", "and after that", "followed by", "next", "and next",
             "finally", "and finally", "lastly", "and lastly", "subsequently", "after which", "and", "plus", "as well as", "but",
             "before that", "once that is done", "when you are done", "once you have it", "once done", "when done")  # fmt: skip
+LET_GO = re.compile(r"^(?:let go|open (?:your|the) (?:hand|gripper|fingers)|release|drop|let it go|free your hand)$")
+GERUNDS = {
+    "handing": "hand", "picking": "pick", "putting": "put", "giving": "give", "passing": "pass", "bringing": "bring",
+    "taking": "take", "grabbing": "grab", "lifting": "lift", "moving": "move", "placing": "place", "clearing": "clear",
+    "sorting": "sort", "getting": "get", "fetching": "fetch", "grasping": "grasp", "holding": "hold", "removing": "remove",
+    "throwing": "throw", "dropping": "drop", "setting": "set", "tidying": "tidy", "cleaning": "clean", "ordering": "order",
+    "arranging": "arrange", "raising": "raise", "collecting": "collect",
+}  # fmt: skip
 HAND_ME = re.compile(
     r"^(?:i (?:want|need|would like(?: to have)?|could use|would love)|(?:can|could|may|might) i (?:please )?(?:have|get)|"
     r"let me have|i will (?:have|take)|i am looking for|get me|fetch me|bring me|grab me|give me|hand me|pass me|"
@@ -54,7 +63,7 @@ CLEAN_UP = re.compile(r"^(?:clean|tidy|clear) (?:up|away)(?: here)?(?P<rest> (?:
 EVERYTHING_AWAY = re.compile(
     r"^(?:put|place|move|throw|get|take|remove|discard|drop|toss|bring|pick up|pick|bin|trash|dispose of|get rid of|put away|"
     r"throw away|collect|dump|throw out) (?:away )?(?P<what>(?:everything|all(?: of)?(?: the| these| those)? (?:things|objects|items|stuff)"
-    r"|all of (?:it|them)|the (?:objects|things|items)|all|them all|every (?:object|thing|item)|each (?:object|thing|item)).*?)"
+    r"|all of (?:it|them)|it all|the (?:objects|things|items)|all|them all|every (?:object|thing|item)|each (?:object|thing|item)).*?)"
     r"(?P<where> (?:away|out|off|up|(?:off|from) the table|(?:in|into|to|inside) (?:the |a )?(?:bin|trash(?: can)?|basket|garbage|"
     r"rubbish(?: bin)?|tray|dustbin)))*(?P<rest> (?:except|but|apart from|other than|without) .*)?$"
 )
@@ -67,8 +76,9 @@ DESCENDING = re.compile(
 )
 FROM_RIGHT = re.compile(r"\bfrom (?:the )?right to (?:the )?left\b")
 NOT_DO = re.compile(
-    r"^(?:please )?(?:do not|never|you (?:must|should|shall|may) not|avoid|refrain from|no)\s+(?P<rest>.+)$"
+    r"^(?:please )?(?:do not|never|you (?:must|should|shall|may) not|avoid|refrain from)\s+(?P<rest>.+)$"
 )
+GRIP_OF = re.compile(r"^(?:the |its |a )?(?:handle|rim|body|stem|neck|edge|shaft) of (?:the )?")
 GRIP = re.compile(
     r" (?:by|at|on|from|with|using) (?:the |its |a |one |an )?(?:handle|rim|body|stem|neck|edge|edges|top|above|side|sides|below|grip|"
     r"(?:pinch|power|side|firm|gentle|soft|tight|strong|light) (?:grasp|grip))$"
@@ -103,7 +113,7 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         completed = _complete(tokens, pending)
         if completed is not None:
             return completed
-    return _commands(tokens)
+    return _commands(trim(without_asides(line).split()))
 
 
 def trim(tokens: list[str]) -> list[str]:
@@ -142,7 +152,9 @@ def _complete(tokens: list[str], pending: Goal) -> Understanding | None:
         return None
     if " ".join(tokens) in ("none", "neither", "none of them", "no", "neither of them", "nothing"):
         return Understanding(refusal="All right, I leave everything as it is.")
-    reading = read_reference([t for t in tokens if t not in ("i", "mean", "meant", "am", "yes", "take")])
+    reading = read_reference(
+        [t for t in tokens if t not in ("i", "mean", "meant", "am", "yes", "no", ",", "take", "think", "want")]
+    )
     if reading.unknown or reading.contradiction or not is_reference(reading):
         return None
     said, before = Reference(**reading.found), pending.reference or Reference()
@@ -160,8 +172,11 @@ def _commands(tokens: list[str]) -> Understanding:
     goals: list[Goal] = []
     forbidden: list[Reference] = []
     clauses = split_clauses(strip_opener(tokens))
-    for clause in clauses:
-        clause = strip_opener(trim(clause))
+    for index, clause in enumerate(clauses):
+        # "take the bowl, but first remove what is on it"
+        before = index > 0 and clause[:1] == ["first"] and find_verb(clause[1:]) is not None
+        clause = strip_opener(trim(clause[1:] if before else clause))
+        clause = [GERUNDS.get(clause[0], clause[0]), *clause[1:]]
         line = " ".join(clause)
         negative = NOT_DO.match(line) or LEAVE_ALONE.match(line)
         if negative:
@@ -178,7 +193,7 @@ def _commands(tokens: list[str]) -> Understanding:
         got = read_clause(clause, goals)
         if isinstance(got, str):
             return Understanding(refusal=got)
-        goals += got
+        goals += [goal.model_copy(update={"parent": 0}) for goal in got] if before and goals else got
     if len(clauses) > 1:  # "first the cup, then the apple": an order of things says that they are to be taken
         goals = [g if g.moves or g.query else g.model_copy(update={"kind": "pick"}) for g in goals]
     return _fit(goals, forbidden)
@@ -207,10 +222,42 @@ def _fit(goals: list[Goal], forbidden: list[Reference]) -> Understanding:
                 return Understanding(
                     refusal=f"That contradicts itself: I am to handle {_the(taboo)} and not to. Nothing was moved."
                 )
+    goals = _bound(_without_repeats(goals))
     spared = tuple(forbidden)
     if spared:
         goals = [_sparing(goal, spared) if goal.kind in ("clear", "sort") else goal for goal in goals]
     return Understanding(goals=tuple(goals))
+
+
+def _without_repeats(goals: list[Goal]) -> list[Goal]:
+    """Drops "... and lift it" after "grip the cup", and a second clearing of the table."""
+    kept: list[Goal] = []
+    for goal in goals:
+        reference = goal.reference
+        again = bool(kept) and reference is not None and reference.pronoun and kept[-1].moves
+        if again and goal.kind == "pick" and goal.placement is None and kept[-1].kind == "pick":
+            continue
+        if kept and kept[-1].kind == "clear" and (goal.kind == "clear" or (again and goal.kind == "place")):
+            continue
+        kept.append(goal)
+    return kept
+
+
+def _bound(goals: list[Goal]) -> list[Goal]:
+    """In "take the bowl, but first remove what is on it" the pronoun means the bowl."""
+    bound: list[Goal] = []
+    for index, goal in enumerate(goals):
+        reference = goal.reference
+        others = [
+            g.reference for i, g in enumerate(goals) if i != index and g.reference is not None and g.reference.noun
+        ]
+        relation = reference.relation if reference is not None else None
+        if reference is not None and relation is not None and others and any(o.pronoun for o in relation.others):
+            named = tuple(others[0] if o.pronoun else o for o in relation.others)
+            relation = relation.model_copy(update={"others": named})
+            goal = goal.model_copy(update={"reference": reference.model_copy(update={"relation": relation})})
+        bound.append(goal)
+    return bound
 
 
 def _sparing(goal: Goal, spared: tuple[Reference, ...]) -> Goal:
@@ -255,7 +302,7 @@ def split_clauses(tokens: list[str]) -> list[list[str]]:
             continue
         clauses[-1].append(tokens[i])
         i += 1
-    return [_drop_first(clause) for clause in clauses if clause]
+    return [clause if index else _drop_first(clause) for index, clause in enumerate(c for c in clauses if c)]
 
 
 def _drop_first(clause: list[str]) -> list[str]:
@@ -294,6 +341,7 @@ def _joint(tokens: list[str], i: int) -> int:
         rest = strip_opener(trim(tokens[start + len(parts) :]))
         if not rest:
             return 0
+        rest = rest[1:] if rest[0] == "first" else rest
         strong = phrase not in ("and", "but", "next", "plus", "as well as")
         starts_verb = (
             find_verb(rest) is not None or bool(NOT_DO.match(" ".join(rest))) or bool(HAND_ME.match(" ".join(rest)))
@@ -331,6 +379,8 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | str:
     whole = _whole_table(line)
     if whole is not None:
         return whole
+    if LET_GO.match(line):
+        return [Goal(kind="place", reference=Reference(words="it", pronoun=True), placement=Placement(kind="aside"))]
     found = HAND_TO_ME.match(line) or HAND_ME.match(line)
     if found:
         return _each(found["what"].split(), "pick", Placement(kind="hand_over"))
@@ -342,7 +392,7 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | str:
     if action == "sort":
         return _sort(rest)
     if action == "discard":
-        return _place(rest, default=Placement(kind="bin"))
+        return _discard(rest)
     if action == "place":
         return _place(rest, default=_place_default(clause[:length], rest))
     if action == "hand":
@@ -353,7 +403,7 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | str:
 def _place_default(verb: list[str], rest: list[str]) -> Placement | None:
     """Where things go if no place is said: "put it down", "let go of it", "throw it away"."""
     said = " ".join(verb)
-    if "away" in rest or "out" in rest or said in ("dump", "throw", "toss", "chuck"):
+    if said in ("dump", "throw", "toss", "chuck") or (said == "put" and "away" in rest):
         return Placement(kind="bin")
     if (
         "down" in rest
@@ -362,7 +412,7 @@ def _place_default(verb: list[str], rest: list[str]) -> Placement | None:
         or said in ("release", "let go of", "drop off", "drop", "leave", "deposit")
     ):
         return Placement(kind="aside")
-    return Placement(kind="aside") if said in ("move", "shift", "relocate") and "away" not in rest else None
+    return Placement(kind="aside") if said in ("move", "shift", "relocate", "carry", "slide", "transfer") else None
 
 
 def _whole_table(line: str) -> list[Goal] | None:
@@ -426,8 +476,10 @@ def _pick(rest: list[str]) -> list[Goal] | str:
 
 def _without_grip(tokens: list[str]) -> list[str]:
     """Takes away "by the handle" and "from above": where and how to grip is planned, not told."""
-    line = GRIP.sub("", " ".join(tokens))
-    return line.split()
+    line, shorter = "", " ".join(tokens)
+    while line != shorter:
+        line, shorter = shorter, GRIP.sub("", shorter)
+    return GRIP_OF.sub("the ", line).split()
 
 
 def _place(rest: list[str], default: Placement | None) -> list[Goal] | str:
@@ -439,6 +491,15 @@ def _place(rest: list[str], default: Placement | None) -> list[Goal] | str:
     if not thing:
         thing = ["it"]
     return _each(thing, "place", placement)
+
+
+def _discard(rest: list[str]) -> list[Goal] | str:
+    """Into the bin, unless another fixed place is said; "remove what is on the bowl" says where from, not where to."""
+    thing, placement = read_place(rest)
+    if placement is not None and placement.kind in ("bin", "side", "aside", "hand_over") and thing:
+        return _each(thing, "place", placement)
+    rest = [t for t in rest if t not in ("away", "down", "aside", "out")]
+    return _each(rest, "place", Placement(kind="bin", or_aside=True))
 
 
 def _verbless(clause: list[str], before: list[Goal]) -> list[Goal] | str:
@@ -453,9 +514,17 @@ def _verbless(clause: list[str], before: list[Goal]) -> list[Goal] | str:
         return CANNOT_READ
     if last is not None:
         return [g.model_copy(update={"kind": last.kind, "placement": placement or last.placement}) for g in got]
-    if placement is not None:
+    if placement is not None and placement.kind == "bin":
         return got
+    if placement is not None:
+        return _verbless_thing(clause)
     return [g.model_copy(update={"kind": "answer", "query": None}) for g in got]
+
+
+def _verbless_thing(clause: list[str]) -> list[Goal] | str:
+    """Reads "the one on the left" as a thing, not as a place to put one."""
+    got = _each(clause, "pick", None, strict=True)
+    return got if isinstance(got, str) else [g.model_copy(update={"kind": "answer", "query": None}) for g in got]
 
 
 def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: bool = False) -> list[Goal] | str:
@@ -465,6 +534,9 @@ def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: 
         reading = read_reference(part)
         if reading.contradiction:
             return f"That contradicts itself: {reading.contradiction}."
+        if goals and reading.found.get("side") and not reading.found.get("noun") and goals[-1].reference is not None:
+            if goals[-1].reference.side is not None:
+                return f"That contradicts itself: {goals[-1].reference.side} and {reading.found['side']} at once."
         if not is_reference(reading) or not _readable(reading.unknown, reading.found, strict):
             return CANNOT_READ
         goals.append(

@@ -70,7 +70,7 @@ PATTERNS: tuple[Pattern, ...] = (
         rf"(?:so |and )?why (?:did|have|do|would) you (?:just )?{_GRASPED}\b.*", r"why (?:that|this) (?:way|grasp|grip|object|one|side|force|angle|approach)",
         r"why (?:the |so |with |from |at |by |like |in |on |such )?(?:handle|rim|body|stem|neck|edge|top|side|that|much|little|"
         r"gently|slow|slowly|hard|above|force|angle|approach|tight|firmly|this)\b.*",
-        r"explain (?:your|the|that|this|why|how)\b.*", r"why", r"how come", r"justify\b.*", r"what made you\b.*",
+        r"explain (?:your|the|that|this|why|how)\b.*", r"why \d+(?:\.\d+)? (?:n|newtons?)\b.*", r"why", r"how come", r"justify\b.*", r"what made you\b.*",
         r"how did you (?:decide|choose|know|plan|pick|select|grasp|grip|find|come)\b.*", r"on what basis\b.*",
         r"(?:what|where) (?:did|does|do) (?:you|the|that|this) .*(?:force|number|value|grasp) come from.*",
         r"what was your (?:reasoning|plan|strategy|thinking)", r"tell me why\b.*", r"where does (?:the|that) .* come from",
@@ -119,6 +119,10 @@ PROPERTIES = re.compile(
     r"(?: (?:made (?:of|from|out of)|weigh|look like|like|fragile|heavy|light|big|small|empty|full|filled|breakable|red|blue|"
     r"green|yellow|white|black|tall|delicate|made|stacked|there|unknown))*$"
 )
+WHICH = re.compile(
+    r"^(?:which|what) (?P<noun>.+?) (?:is|are|looks|weighs|has|stands|lies) (?:the )?(?P<adjective>[a-z ]+)$"
+)
+COUNT_UP = re.compile(r"^count (?:all )?(?P<what>.+?)(?: on the table| please| for me)*$")
 COUNT = re.compile(
     r"^how many (?P<what>.+?)(?: (?:are|do|can|is|have) (?:there|you|we)?.*| on the table.*| there.*| you see.*)?$"
 )
@@ -130,6 +134,12 @@ UNDO = re.compile(
     r"reverse (?:that|it|the last .*))$"
 )
 FORCE = re.compile(r"(\d+(?:\.\d+)?)\s*(?:n\b|newtons?\b)")
+
+
+_ABOUT: tuple[tuple[re.Pattern[str], Query], ...] = (
+    (COUNT_UP, "count"), (NEAR, "near"), (NEIGHBOURS, "near"), (COUNT, "count"), (WHERE, "where"), (PROPERTIES, "properties"),
+)  # fmt: skip
+"""Questions about a thing, tried in this order."""
 
 
 def read_question(text: str) -> Goal | str | None:
@@ -144,13 +154,12 @@ def read_question(text: str) -> Goal | str | None:
     found = UNDO.match(text)
     if found:
         return _undo(found)
-    for regex, query in (
-        (NEAR, "near"),
-        (NEIGHBOURS, "near"),
-        (COUNT, "count"),
-        (WHERE, "where"),
-        (PROPERTIES, "properties"),
-    ):
+    found = WHICH.match(text)
+    if found:
+        reading = read_reference(["the", *found["adjective"].split(), *found["noun"].split()])
+        if is_reference(reading) and not reading.unknown and not reading.contradiction and reading.found.get("extreme"):
+            return Goal(kind="look", query="where", reference=Reference(**reading.found))
+    for regex, query in _ABOUT:
         found = regex.match(text)
         if found:
             goal = _about(found, query)

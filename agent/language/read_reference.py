@@ -35,6 +35,23 @@ EXCEPT = (
 CLAUSE_WORDS = ("that", "which", "who", "is", "are", "was", "were", "standing", "lying", "sitting", "placed", "located",
                 "you", "see", "can", "there", "currently", "situated", "here")  # fmt: skip
 STATES = {"filled": "filled", "full": "filled", "empty": "empty"}
+UNITS = (
+    "kg",
+    "kilo",
+    "kilos",
+    "kilogram",
+    "kilograms",
+    "g",
+    "gram",
+    "grams",
+    "pound",
+    "pounds",
+    "lb",
+    "lbs",
+    "cm",
+    "mm",
+    "n",
+)
 TABLE = ("table", "desk", "tabletop", "surface", "scene", "workspace", "floor", "counter")
 
 
@@ -78,6 +95,8 @@ def reference(tokens: list[str]) -> Reference | None:
 
 def is_reference(reading: Reading) -> bool:
     """Whether something that can be looked for was said at all."""
+    if reading.found.get("count") and not reading.found.get("noun"):
+        return False
     keys = ("noun", "colour", "material", "extreme", "ordinal", "pronoun", "other", "plural", "side", "quality", "ids")
     return any(reading.found.get(key) for key in keys)
 
@@ -210,6 +229,8 @@ def _read_head(tokens: list[str], reading: Reading) -> None:
                            "corner", "for", "me", "by", "only", "as", "well", "too", "please", "near", "it", "far",
                            *TABLE):  # fmt: skip
             reading.unknown.append(token)
+        elif token in TABLE and i + 1 < len(tokens) and (i == 0 or tokens[i - 1] not in ARTICLES):
+            reading.unknown.append(token)  # "table objects" is no phrase of ours
         i += 1
     if found.get("noun") is None and reading.unknown:
         _take_unknown_noun(tokens, reading)
@@ -224,6 +245,8 @@ def _read_number(tokens: list[str], i: int, reading: Reading) -> int:
             if "from" in rest and side in rest:
                 found["ordinal_from"] = side
         return 1
+    if token.replace(".", "", 1).isdigit() and tokens[i + 1 : i + 2] and tokens[i + 1] in UNITS:
+        return 2
     if token in lexicon.NUMBERS or token.isdigit():
         count = lexicon.NUMBERS.get(token) or int(token)
         found["count"] = count

@@ -25,6 +25,7 @@ UNABLE = re.compile(
     + "|".join(sorted(lexicon.UNABLE, key=len, reverse=True))
     + r")\b (?P<rest>.+)$"
 )
+HAND_OPEN = re.compile(r"^open (?:your|the) (?:hand|gripper|fingers)$")
 OFF_TABLE = re.compile(
     r"\b(?:on|onto|off|to|over|from) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa)\b"
 )
@@ -45,7 +46,7 @@ def refuse(line: str) -> str | None:
     if POUR.search(line):
         return "I cannot pour or fill: I only pick things up and put them down, upright if something is in them."
     found = UNABLE.match(line)
-    if found:
+    if found and not HAND_OPEN.match(line):
         return (
             f"I cannot {found['verb']} things. I can pick them up, hand them over, put them somewhere, clear and sort."
         )

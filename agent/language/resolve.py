@@ -10,7 +10,9 @@ from agent.goal import Extreme, Reference, RelationWord
 from agent.language import lexicon
 from kb.base import Noun
 from kb.percept import PerceivedObject, Percept
+from kb.viewpoint import BEHIND, LEFT
 from kb.vocabulary import UNKNOWN_CATEGORY
+from tools.scene_relations.direction import is_behind, is_left_of
 
 POSSIBLE = 0.10
 """Posterior from which a category may be what the person calls the object by."""
@@ -18,8 +20,6 @@ NEAR = 0.20
 """Surface distance within which things are "next to" each other [m]; the nearest counts where several are."""
 NOTICEABLE = 1.15
 """Ratio of sizes (or masses) from which one of two things is "the big one"."""
-CLEARLY = 0.015
-"""Distance by which something lies to the left, in front ... of something else [m]."""
 
 
 class Resolution(Noun):
@@ -108,6 +108,10 @@ def _by_noun(reference: Reference, scope: Scope) -> tuple[list[PerceivedObject],
         if maybe:
             best = max(maybe, key=lambda o: sum(o.posterior.get(c, 0.0) for c in wanted))
             name = best.category.replace("_", " ")
+            if best.category == UNKNOWN_CATEGORY:
+                return maybe, "" if len(
+                    maybe
+                ) > 1 else f"I am not sure what it is, but it may be {_article(reference)}."
             return maybe, "" if len(
                 maybe
             ) > 1 else f"It looks more like a {name} to me, but it may be {_article(reference)}."
@@ -224,16 +228,16 @@ _HOLDS: dict[RelationWord, Callable[[PerceivedObject, PerceivedObject], bool]] =
     "near": lambda o, a: surface_gap(o, a) <= NEAR,
     "nearest_to": lambda o, a: True,
     "touching": lambda o, a: surface_gap(o, a) <= 0.015,
-    "left_of": lambda o, a: o.position[1] > a.position[1] + CLEARLY,
-    "right_of": lambda o, a: o.position[1] < a.position[1] - CLEARLY,
-    "behind": lambda o, a: o.position[0] > a.position[0] + CLEARLY and surface_gap(o, a) <= 2 * NEAR,
-    "in_front_of": lambda o, a: o.position[0] < a.position[0] - CLEARLY and surface_gap(o, a) <= 2 * NEAR,
+    "left_of": lambda o, a: is_left_of(o.position, a.position),
+    "right_of": lambda o, a: is_left_of(a.position, o.position),
+    "behind": lambda o, a: is_behind(o.position, a.position) and surface_gap(o, a) <= 2 * NEAR,
+    "in_front_of": lambda o, a: is_behind(a.position, o.position) and surface_gap(o, a) <= 2 * NEAR,
     "on": lambda o, a: o.base_z > a.base_z + 0.005 and surface_gap(o, a) <= 0.02,
     "under": lambda o, a: o.base_z < a.base_z - 0.005 and surface_gap(o, a) <= 0.02,
     "in": lambda o, a: surface_gap(o, a) <= 0.0 and o.size[0] * o.size[1] < a.size[0] * a.size[1],
     "between": lambda o, a: surface_gap(o, a) <= NEAR,
 }
-"""Whether an object stands in a relation to an anchor; left is the robot's left (+y), behind is farther from it."""
+"""Whether an object stands in a relation to an anchor, in the words of the person at the front camera (kb.viewpoint)."""
 
 
 def _between(o: PerceivedObject, a: PerceivedObject, b: PerceivedObject) -> bool:
@@ -257,10 +261,10 @@ _MEASURE: dict[Extreme, Callable[[PerceivedObject], float]] = {
     "lightest": lambda o: -sum(o.mass),
     "most_fragile": lambda o: o.affordance.fragility,
     "least_fragile": lambda o: -o.affordance.fragility,
-    "leftmost": lambda o: o.position[1],
-    "rightmost": lambda o: -o.position[1],
-    "nearest": lambda o: -math.hypot(o.position[0], o.position[1]),
-    "farthest": lambda o: math.hypot(o.position[0], o.position[1]),
+    "leftmost": lambda o: leftness(o),
+    "rightmost": lambda o: -leftness(o),
+    "nearest": lambda o: -farness(o),
+    "farthest": lambda o: farness(o),
     "middle": lambda o: 0.0,
 }
 _QUALITY: dict[str, Extreme] = {
@@ -293,17 +297,27 @@ def _extreme(extreme: Extreme, found: list[PerceivedObject]) -> PerceivedObject:
     return max(found, key=_MEASURE[extreme])
 
 
+def leftness(obj: PerceivedObject) -> float:
+    """How far to the person's left an object stands [m]."""
+    return sum(a * b for a, b in zip(obj.position, LEFT, strict=True))
+
+
+def farness(obj: PerceivedObject) -> float:
+    """How far from the person an object stands, along the view [m]."""
+    return sum(a * b for a, b in zip(obj.position, BEHIND, strict=True))
+
+
 def _middle(found: list[PerceivedObject]) -> PerceivedObject:
-    order = sorted(found, key=lambda o: o.position[1])
+    order = sorted(found, key=leftness)
     return order[len(order) // 2]
 
 
 def _ordinal_key(side: str) -> Callable[[PerceivedObject], float]:
     keys: dict[str, Callable[[PerceivedObject], float]] = {
-        "left": lambda o: -o.position[1],
-        "right": lambda o: o.position[1],
-        "front": lambda o: o.position[0],
-        "back": lambda o: -o.position[0],
+        "left": lambda o: -leftness(o),
+        "right": leftness,
+        "front": farness,
+        "back": lambda o: -farness(o),
     }
     return keys[side]
 
@@ -328,7 +342,7 @@ def describe(obj: PerceivedObject, among: tuple[PerceivedObject, ...] = ()) -> s
     same = [o for o in alike if o.colour_name == obj.colour_name]
     if not same:
         return f"the {coloured}"
-    order = sorted([obj, *same], key=lambda o: -o.position[1])
+    order = sorted([obj, *same], key=leftness, reverse=True)
     place = order.index(obj)
     if len(order) == 2:
         return f"the {coloured} on the {'left' if place == 0 else 'right'}"
@@ -338,7 +352,7 @@ def describe(obj: PerceivedObject, among: tuple[PerceivedObject, ...] = ()) -> s
 
 def listing(objects: tuple[PerceivedObject, ...]) -> str:
     """As in "a red cup, a vase and an object I don't recognise"."""
-    names = [describe(o).removeprefix("the ") for o in sorted(objects, key=lambda o: -o.position[1])]
+    names = [describe(o).removeprefix("the ") for o in sorted(objects, key=leftness, reverse=True)]
     named = [("an " if n[0] in "aeiou" else "a ") + n for n in names]
     if not named:
         return "nothing"

@@ -102,6 +102,9 @@ def mend(token: str) -> str:
     Only words of four letters or more that begin alike (or swap two neighbours) are mended, by one edit, from eight
     letters by two; where two known words are equally near, nothing is guessed.
     """
+    if len(token) == 3 and token not in vocabulary():
+        swapped = {token[1] + token[0] + token[2], token[0] + token[2] + token[1]} & set(lexicon.NOUNS)
+        return swapped.pop() if len(swapped) == 1 else token
     if not token.isalpha() or len(token) < 4 or token in vocabulary() or singular(token) in vocabulary():
         return token
     limit = 2 if len(token) >= 8 else 1
