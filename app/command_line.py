@@ -101,6 +101,8 @@ def _usage_line(error: Exception) -> str:
         message += f" (valid: {', '.join(names)})"
     elif hasattr(context.command, "list_commands") and ("ommand" in message):
         message += f" (valid: {', '.join(context.command.list_commands(context))})"
+    if "unexpected extra argument" in message and context.info_name == "run":
+        message += " Put the instruction in quotes."
     return f"{where}: {message}"
 
 

@@ -28,7 +28,8 @@ def print_verdict(console: Console, result: RunResult) -> None:
         console.print(Text(f"damage events: {result.damage_events}", style="bold red"))
     label = "analytic evaluator, no physics; " if result.evaluator == "analytic" else ""
     label += "oracle perception; " if result.perception == "oracle" else ""
-    if not result.executed:
+    moving = any(goal.kind not in ("look", "answer") for goal in result.goals)
+    if not result.executed and moving:
         console.print(Text(f"{label}nothing was moved", style="yellow"))
     times = result.timings_s
     console.print(
