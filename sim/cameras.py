@@ -272,11 +272,23 @@ def capture(
 def capture_all(
     model: Any, data: Any, cameras: Sequence[CameraDraw], placed: PlacedScene, rng: np.random.Generator
 ) -> tuple[RgbdView, ...]:
-    """Pictures of several cameras at the same instant, in threads; the noise does not depend on their timing."""
+    """Pictures of several cameras at the same instant, in threads; the noise does not depend on their timing.
+
+    MuJoCo's ray caster keeps its working memory in the state that it is given, so every thread gets a state of its own.
+    Its poses follow from the positions alone: a picture after `World.restore` is the picture before the snapshot.
+    """
     streams = rng.spawn(len(cameras))
     with ThreadPoolExecutor(max_workers=max(1, len(cameras))) as pool:
         jobs = [
-            pool.submit(capture, model, data, camera, placed, stream)
+            pool.submit(capture, model, _twin(model, data), camera, placed, stream)
             for camera, stream in zip(cameras, streams, strict=True)
         ]
         return tuple(job.result() for job in jobs)
+
+
+def _twin(model: Any, data: Any) -> Any:
+    """Another state with the same positions and up-to-date geom poses."""
+    twin = mujoco.MjData(model)
+    twin.qpos[:] = data.qpos
+    mujoco.mj_kinematics(model, twin)
+    return twin
