@@ -17,12 +17,13 @@ from sim.settle import lay_down
 
 CLEAR = 3e-4
 """Free distance of a leaning thing from what it leans on [m]."""
-LEANERS = ("smartphone", "screwdriver")
+LEANERS = ("smartphone", "pen")
+"""Things of even thickness: they touch where their underside's line says."""
 CONTENTS = ("toy_block", "key", "tennis_ball", "wood_cube")
 
 
 def leaning_scene(rng: np.random.Generator) -> PlacedScene:
-    """A phone or screwdriver that leans at 45-70 degrees against a box, its foot on the table."""
+    """A phone or pen that leans at 45-70 degrees against a box, its foot on the table."""
     support = _at(MODELS["box"].draw(rng, id="support", colour=anything(rng)), rng, margin=0.08)
     leaner = MODELS[str(rng.choice(LEANERS))].draw(rng, id="leaner", colour=anything(rng))
     tilt = float(rng.uniform(math.radians(45.0), math.radians(70.0)))

@@ -1,4 +1,4 @@
-"""OCCLUDES: how much of an object another one hides from the front camera (ledger G51)."""
+"""OCCLUDES: how much of an object's outline another one hides from the front camera (ledger G51)."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from tools.scene_relations.solid import Piece, Solid, largest
 Array = NDArray[np.float64]
 
 HIDDEN_SHARE = 0.25
-"""Share of the object that must be hidden."""
-GRID = 7
-"""Samples per axis within a piece."""
+"""Share of the outline that must be hidden."""
+GRID = 20
+"""Rays per side of the window around the hidden object."""
 
 
 def hides(front: Solid, back: Solid) -> bool:
@@ -24,14 +24,72 @@ def hides(front: Solid, back: Solid) -> bool:
 
 
 def hidden_share(front: Solid, back: Solid) -> float:
-    """Share of the volume samples of `back` whose line to the front camera passes through `front`, in [0, 1]."""
+    """Share of the rays from the front camera to `back` that meet `front` before, in [0, 1]."""
     if not _may_hide(front, back):
         return 0.0
-    points = volume_samples(back)
-    hidden = np.zeros(len(points), dtype=bool)
-    for piece in front.pieces:
-        hidden |= crosses(points, piece)
-    return float(hidden.mean())
+    rays = _window(back)
+    behind = first_hit(back, rays)
+    seen = np.isfinite(behind)
+    if not seen.any():
+        return 0.0
+    return float((first_hit(front, rays[seen]) < behind[seen]).mean())
+
+
+def first_hit(solid: Solid, rays: Array) -> Array:
+    """Distance at which unit rays (N, 3) from the front camera enter the solid, infinite if never, shape (N,) [m]."""
+    return np.min([_enter(piece, rays) for piece in solid.pieces], axis=0)
+
+
+def _enter(piece: Piece, rays: Array) -> Array:
+    eye = np.asarray(EYE)
+    if piece.ball > 0.0:
+        return _roots(eye - np.array([*piece.centre, piece.low]), rays, piece.ball)[0]
+    z0, z1 = _slab(eye[2], rays[:, 2], piece.low, piece.high)
+    if piece.half == (0.0, 0.0):
+        x0, x1 = _roots(eye[:2] - np.asarray(piece.centre), rays[:, :2], piece.radius)
+        return _common((z0, x0), (z1, x1))
+    start = piece.local(eye[None, :2])[0]
+    along = piece.local(rays[:, :2] + np.asarray(piece.centre))
+    u0, u1 = _slab(start[0], along[:, 0], -piece.half[0], piece.half[0])
+    v0, v1 = _slab(start[1], along[:, 1], -piece.half[1], piece.half[1])
+    return _common((z0, u0, v0), (z1, u1, v1))
+
+
+def _common(entries: tuple[Array, ...], exits: tuple[Array, ...]) -> Array:
+    """Entry into the intersection of convex sets, infinite where it is empty."""
+    first, last = np.max(entries, axis=0), np.min(exits, axis=0)
+    return np.where(last > np.maximum(first, 0.0), first, np.inf)
+
+
+def _slab(origin: float, along: Array, low: float, high: float) -> tuple[Array, Array]:
+    """Parameters at which origin + t along enters and leaves [low, high]."""
+    safe = np.where(np.abs(along) < 1e-12, 1e-12, along)
+    first, second = (low - origin) / safe, (high - origin) / safe
+    return np.minimum(first, second), np.maximum(first, second)
+
+
+def _roots(offset: Array, rays: Array, radius: float) -> tuple[Array, Array]:
+    """Parameters at which offset + t rays has the length `radius`; (infinite, minus infinite) if never."""
+    a = np.maximum((rays**2).sum(axis=1), 1e-12)
+    b, c = rays @ offset, float(offset @ offset) - radius**2
+    square = b**2 - a * c
+    root = np.sqrt(np.maximum(square, 0.0))
+    hit = square >= 0.0
+    return np.where(hit, (-b - root) / a, np.inf), np.where(hit, (-b + root) / a, -np.inf)
+
+
+def _window(solid: Solid) -> Array:
+    """Unit rays from the front camera that fill the angular window of the object, shape (N, 3)."""
+    bearing, half = _sector(solid)
+    piece = largest(solid)
+    near = math.hypot(EYE[0] - piece.centre[0], EYE[1] - piece.centre[1])
+    reach = math.hypot(*piece.half) + piece.reach()
+    dips = [math.atan2(z - EYE[2], near + side * reach) for z in (solid.low, solid.high) for side in (-1.0, 1.0)]
+    steps = (np.arange(GRID) + 0.5) / GRID
+    across = bearing + half * (2.0 * steps - 1.0)
+    dip = min(dips) + (max(dips) - min(dips)) * steps
+    u, v = (grid.ravel() for grid in np.meshgrid(across, dip))
+    return np.column_stack([-np.cos(u) * np.cos(v), np.sin(u) * np.cos(v), np.sin(v)])
 
 
 def _may_hide(front: Solid, back: Solid) -> bool:
@@ -41,57 +99,8 @@ def _may_hide(front: Solid, back: Solid) -> bool:
 
 
 def _sector(solid: Solid) -> tuple[float, float]:
-    """Bearing of the largest piece from the front camera and half its angular width, generously [rad]."""
+    """Bearing of the largest piece from the front camera and half its angular width, handle included [rad]."""
     piece = largest(solid)
     x, y = EYE[0] - piece.centre[0], piece.centre[1] - EYE[1]
-    reach = math.hypot(*piece.half) + piece.reach() + 0.03
+    reach = math.hypot(*piece.half) + piece.reach() + (0.03 if len(solid.pieces) > 1 else 0.0)
     return math.atan2(y, x), math.asin(min(1.0, reach / math.hypot(x, y)))
-
-
-def volume_samples(solid: Solid) -> Array:
-    """Evenly spread points of the largest piece, shape (N, 3)."""
-    piece = largest(solid)
-    a, b = piece.half[0] + piece.reach(), piece.half[1] + piece.reach()
-    low, high = piece.low - piece.ball, piece.high + piece.ball
-    steps = (np.arange(GRID) + 0.5) / GRID * 2.0 - 1.0
-    u, v, w = (axis.ravel() for axis in np.meshgrid(steps * a, steps * b, (low + high + steps * (high - low)) / 2.0))
-    c, s = math.cos(piece.yaw), math.sin(piece.yaw)
-    flat = np.column_stack([u, v]) @ np.array([[c, s], [-s, c]]) + np.asarray(piece.centre)
-    points = np.column_stack([flat, w])
-    return points[piece.distance(points) <= 1e-9]
-
-
-def crosses(points: Array, piece: Piece) -> NDArray[np.bool_]:
-    """Which segments from the front camera to the points (N, 3) pass through the piece, shape (N,).
-
-    Within the piece's range of heights a segment is a straight line in the plane, which either meets the footprint or
-    not.
-    """
-    eye = np.asarray(EYE)
-    along = points - eye
-    if piece.ball > 0.0:  # a ball: distance of its centre to the segment
-        centre = np.array([*piece.centre, piece.low])
-        t = np.clip(((centre - eye) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-        return np.linalg.norm(eye + t[:, None] * along - centre, axis=1) <= piece.ball
-    t0, t1 = _within(eye[2], along[:, 2], piece.low, piece.high)
-    start = piece.local((eye + t0[:, None] * along)[:, :2])
-    end = piece.local((eye + t1[:, None] * along)[:, :2])
-    return (t1 > t0) & _meets_footprint(start, end - start, piece)
-
-
-def _within(origin: float | Array, along: Array, low: float, high: float) -> tuple[Array, Array]:
-    """Parameters in [0, 1] between which origin + t along lies in [low, high]; the first exceeds the last if never."""
-    safe = np.where(np.abs(along) < 1e-12, 1e-12, along)
-    first, second = (low - origin) / safe, (high - origin) / safe
-    return np.maximum(np.minimum(first, second), 0.0), np.minimum(np.maximum(first, second), 1.0)
-
-
-def _meets_footprint(start: Array, along: Array, piece: Piece) -> NDArray[np.bool_]:
-    """Which plane segments start + t along, t in [0, 1], in the piece's own axes (N, 2), meet its footprint."""
-    if piece.half == (0.0, 0.0):
-        length = np.maximum((along**2).sum(axis=1), 1e-18)
-        t = np.clip(-(start * along).sum(axis=1) / length, 0.0, 1.0)
-        return np.hypot(*(start + t[:, None] * along).T) <= piece.radius
-    u0, u1 = _within(start[:, 0], along[:, 0], -piece.half[0], piece.half[0])
-    v0, v1 = _within(start[:, 1], along[:, 1], -piece.half[1], piece.half[1])
-    return np.minimum(u1, v1) >= np.maximum(u0, v0)

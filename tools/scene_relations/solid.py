@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 ROUND = 0.85
 """Least ratio of the horizontal extents for a compound thing to count as round: vases and glasses have 1, a loop
 handle gives a cup 0.75."""
+MOUTH = 1.3
+"""Radius of the mouth above a neck over the neck's own."""
 
 
 @dataclass(frozen=True)
@@ -112,8 +114,20 @@ def solid_of(obj: PerceivedObject) -> Solid:
         obj.shape == "compound" and min(obj.size[:2]) > ROUND * max(obj.size[:2])
     )
     if is_round:
-        return Solid((Piece((x, y), (0.0, 0.0), 0.0, (obj.size[0] + obj.size[1]) / 4.0, low, high),))
+        return Solid(_discs(obj, (x, y), (obj.size[0] + obj.size[1]) / 4.0))
     return Solid((Piece((x, y), (obj.size[0] / 2.0, obj.size[1] / 2.0), obj.yaw, 0.0, low, high),))
+
+
+def _discs(obj: PerceivedObject, centre: tuple[float, float], radius: float) -> tuple[Piece, ...]:
+    """A round thing as discs: one, or three where a stem or neck makes it slim in between."""
+    slim = obj.part("stem") or obj.part("neck")
+    if slim is None or slim.width >= 1.8 * radius:
+        return (Piece(centre, (0.0, 0.0), 0.0, radius, obj.base_z, obj.top_z),)
+    low = min(max(slim.centre[2] - slim.length / 2.0, obj.base_z), obj.top_z)
+    high = min(max(slim.centre[2] + slim.length / 2.0, low), obj.top_z)
+    mouth = radius if slim.region == "stem" else min(radius, MOUTH * slim.width / 2.0)
+    discs = ((radius, obj.base_z, low), (slim.width / 2.0, low, high), (mouth, high, obj.top_z))
+    return tuple(Piece(centre, (0.0, 0.0), 0.0, r, z0, z1) for r, z0, z1 in discs if z1 > z0 + 1e-4)
 
 
 def _with_handle(obj: PerceivedObject, handle: Part) -> Solid:
