@@ -27,6 +27,7 @@ from sim.world import World
 from tools.oracle_perception import OraclePerceiver
 from tools.perceive import PerceiveArgs
 from tools.perception.rgbd_perceiver import RgbdPerceiver
+from tools.perception.upright_box import box_at, smallest_yaw
 
 log = logging.getLogger(__name__)
 
@@ -79,8 +80,8 @@ def run_scene(seed: int) -> SceneResult:
     start = time.perf_counter()
     seen = perceiver.perceive(views, PerceiveArgs())
     seconds = time.perf_counter() - start
-    truth = true_percepts(world, views)
-    return compare(seed, scene, seen, truth, seconds)
+    surfaces = OraclePerceiver(world).surfaces()
+    return compare(seed, scene, seen, true_percepts(world, views), surfaces, seconds)
 
 
 def true_percepts(world: World, views: tuple[Any, ...]) -> dict[str, PerceivedObject]:
@@ -101,7 +102,12 @@ def _off_foot(obj: PerceivedObject, where: NDArray[np.float64]) -> float:
 
 
 def compare(
-    seed: int, scene: PlacedScene, seen: Percept, truth: dict[str, PerceivedObject], seconds: float
+    seed: int,
+    scene: PlacedScene,
+    seen: Percept,
+    truth: dict[str, PerceivedObject],
+    surfaces: dict[str, NDArray[np.float64]],
+    seconds: float,
 ) -> SceneResult:
     """Matches reported to true objects, nearest first, and notes every error."""
     result = SceneResult(seed, seconds=seconds)
@@ -131,7 +137,7 @@ def compare(
             "state": true.state,
         }
         if obj is not None:
-            row.update(_errors(obj, true))
+            row.update(_errors(obj, true, surfaces[thing.id]))
         result.rows.append(row)
     result.false_objects = [
         {"seed": seed, "how": how, "category": obj.category, "position": obj.position, "size": obj.size}
@@ -141,24 +147,32 @@ def compare(
     return result
 
 
-def _errors(obj: PerceivedObject, true: PerceivedObject) -> dict[str, Any]:
-    """What is wrong with one report."""
+def _errors(obj: PerceivedObject, true: PerceivedObject, surface: NDArray[np.float64]) -> dict[str, Any]:
+    """What is wrong with one report; `surface` are samples of the true surface (N, 3).
+
+    Several boxes of one thing may be equally small (a triangle has three): the true box is then the one that is turned
+    as the reported box, if its footprint is at most 6 % larger than the smallest.
+    """
+    position, extents, yaw = np.asarray(true.position), np.asarray(true.size), true.yaw
+    turned = box_at(surface, obj.yaw)
+    if turned.size[0] * turned.size[1] <= 1.06 * smallest_yaw(surface)[1]:
+        position, extents, yaw = turned.centre, turned.size, turned.yaw
     widths: dict[str, float | None] = {}
     for region in REGIONS:
         real = true.part(region)  # type: ignore[arg-type]
         if real is not None:
             seen = obj.part(region)  # type: ignore[arg-type]
             widths[region] = None if seen is None else abs(seen.width - real.width) * 1e3
-    size = np.abs(np.subtract(obj.size, true.size)) / np.asarray(true.size)
-    turn = abs((obj.yaw - true.yaw + np.pi / 2) % np.pi - np.pi / 2)
+    size = np.abs(np.subtract(obj.size, extents)) / extents
+    turn = abs((obj.yaw - yaw + np.pi / 2) % np.pi - np.pi / 2)
     return {
         "reported": obj.category,
         "confidence": obj.confidence,
         "unknown": obj.posterior.get(UNKNOWN_CATEGORY, 0.0),
-        "position_mm": float(np.linalg.norm(np.subtract(obj.position, true.position)) * 1e3),
+        "position_mm": float(np.linalg.norm(np.subtract(obj.position, position)) * 1e3),
         "size_percent": float(size.mean() * 100),
-        "size_mm": [float(v) for v in np.subtract(obj.size, true.size) * 1e3],
-        "yaw_deg": float(np.rad2deg(turn)) if true.size[0] > 1.3 * true.size[1] else None,
+        "size_mm": [float(v) for v in np.subtract(obj.size, extents) * 1e3],
+        "yaw_deg": float(np.rad2deg(turn)) if extents[0] > 1.3 * extents[1] else None,
         "reported_state": obj.state,
         "widths_mm": widths,
         "visible_error": abs(obj.visible_fraction - true.visible_fraction),

@@ -11,7 +11,8 @@ from kb.rgbd import RgbdView
 from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.cameras import draw_cameras
 from sim.catalogue import MODELS
-from sim.placed import Geom, PlacedObject, PlacedScene
+from sim.particles import fill
+from sim.placed import Geom, Particles, PlacedObject, PlacedScene
 from sim.world import World
 
 MODELS_SEEN: tuple[str, ...] = tuple(name for name in MODELS if not MODELS[name].fixed)
@@ -26,8 +27,13 @@ def reference_view(name: str, seed: int) -> tuple[str, tuple[RgbdView, ...]]:
     rng = np.random.default_rng([seed, 1])
     entry = MODELS[name]
     scale = float(rng.uniform(1 - SIZES, min(1 + SIZES, entry.largest + SIZES / 2)))
-    thing = entry.draw(rng, id="thing", size_scale=scale)
-    return entry.category, render((put(thing, rng),), rng)
+    thing = put(entry.draw(rng, id="thing", size_scale=scale), rng)
+    contents = (fill(thing, rng),) if entry.category in FILLED and seed % 2 else ()
+    return entry.category, render((thing,), rng, contents)
+
+
+FILLED = ("cup", "mug", "bowl")
+"""Of these every other view shows a filled one."""
 
 
 def random_shape_view(seed: int) -> tuple[str, tuple[RgbdView, ...]]:
@@ -43,7 +49,9 @@ def put(thing: PlacedObject, rng: np.random.Generator) -> PlacedObject:
     return replace(thing, position=place, quaternion=(float(np.cos(turn / 2)), 0.0, 0.0, float(np.sin(turn / 2))))
 
 
-def render(things: tuple[PlacedObject, ...], rng: np.random.Generator) -> tuple[RgbdView, ...]:
+def render(
+    things: tuple[PlacedObject, ...], rng: np.random.Generator, contents: tuple[Particles, ...] = ()
+) -> tuple[RgbdView, ...]:
     """Both cameras' pictures of the things under random light on a random table."""
     light = rng.normal(size=3)
     tint = np.clip(rng.uniform(0.3, 0.9) * (1 + rng.uniform(-0.15, 0.15, 3)), 0.05, 0.98)
@@ -51,6 +59,7 @@ def render(things: tuple[PlacedObject, ...], rng: np.random.Generator) -> tuple[
         name="reference",
         seed=0,
         objects=things,
+        particles=contents,
         cameras=draw_cameras(rng),
         light=(float(light[0]), float(light[1]), float(abs(light[2]) + 1.0)),
         ambient=float(rng.uniform(0.35, 0.6)),

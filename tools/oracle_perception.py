@@ -58,11 +58,16 @@ class OraclePerceiver:
         self._embedder = embedder
         self._shapes = {obj.id: _surface_in_object(obj) for obj in world.placed.objects if not obj.fixed}
 
+    def surfaces(self) -> dict[str, Array]:
+        """Samples of each object's true surface now (N, 3), world frame, by scene id."""
+        poses = {key: self._pose(key) for key in self._shapes}
+        return {key: shape @ poses[key][1].T + poses[key][0] for key, shape in self._shapes.items()}
+
     def perceive(self, views: tuple[RgbdView, ...], args: PerceiveArgs) -> Percept:
         """All free objects of the world; `views` serve the visual embedding and the visible fraction only."""
         placed = [obj for obj in self._world.placed.objects if not obj.fixed]
         poses = {obj.id: self._pose(obj.id) for obj in placed}
-        surfaces = {obj.id: self._shapes[obj.id] @ poses[obj.id][1].T + poses[obj.id][0] for obj in placed}
+        surfaces = self.surfaces()
         boxes = {obj.id: true_box(obj, surfaces[obj.id], poses[obj.id][1]) for obj in placed}
         seen = [self._describe(obj, poses[obj.id], surfaces, boxes, views) for obj in placed]
         return Percept(look=args.look, perception="oracle", objects=track_ids(seen, args.previous))

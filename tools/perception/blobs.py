@@ -8,15 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tools.perception.calibrate_view import CalibratedView
-from tools.perception.filter_depth import box_sum
 from tools.perception.measure import Blob
 from tools.perception.object_points import LOWEST, ObjectPoints
 from tools.perception.segment import Pieces
 
 Array = NDArray[np.float64]
-
-WINDOW = 2
-"""Half-window of the share of unmeasured pixels [px]."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +22,6 @@ class BlobMaker:
     points: ObjectPoints
     label: NDArray[np.intp]
     """Piece of each point (N,)."""
-    lost: Array
-    """Share of unmeasured pixels around each point (N,)."""
     eyes: Array
     """Camera positions: front, top (2, 3) [m]."""
     top: int
@@ -42,7 +36,7 @@ class BlobMaker:
             xyz=self.points.xyz[chosen],
             rgb=self.points.rgb[chosen],
             from_top=self.points.view[chosen] == self.top,
-            lost=self.lost[chosen],
+            clear=self.points.clear[chosen],
             pieces=pieces,
             second_share=1.0 - max(sizes) / max(sum(sizes), 1),
             eyes=self.eyes,
@@ -67,12 +61,7 @@ class BlobMaker:
 
 def blob_maker(views: tuple[CalibratedView, ...], points: ObjectPoints, pieces: Pieces) -> BlobMaker:
     """Prepares blobs of one look; the front and the top view are needed."""
-    lost = np.empty(len(points.xyz))
-    for number, view in enumerate(views):
-        share = 1.0 - box_sum((view.raw > 0).astype(np.float32), WINDOW) / (2 * WINDOW + 1) ** 2
-        mine = points.view == number
-        lost[mine] = share.reshape(-1)[points.pixel[mine]]
     names = [view.name for view in views]
     eyes = np.stack([views[names.index(name)].pose[:3, 3] for name in ("front", "top")])
     top = names.index("top")
-    return BlobMaker(points, pieces.label[points.voxel], lost, eyes, top, views[top])
+    return BlobMaker(points, pieces.label, eyes, top, views[top])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from kb.errors import BadInputError
 from kb.rgbd import RgbdView
 from tools.perception.blobs import BlobMaker, blob_maker
 from tools.perception.calibrate_view import CalibratedView, calibrate_view
+from tools.perception.contents import is_inside
 from tools.perception.measure import Measured, measure
 from tools.perception.object_points import object_points
 from tools.perception.segment import Pieces, segment
-
 
 NOISE_SHARE = 0.03
 """Clusters with a smaller share of all points are not part of the only thing on the table."""
@@ -51,5 +51,19 @@ def measure_alone(views: tuple[RgbdView, ...]) -> Measured | None:
         return None
     amount = np.bincount(look.maker.label[look.maker.label >= 0], minlength=len(look.pieces.cluster))
     weight = np.bincount(look.pieces.cluster, weights=amount)
-    chosen = np.flatnonzero(weight[look.pieces.cluster] > NOISE_SHARE * weight.sum())
-    return measure(look.maker.blob(tuple(int(piece) for piece in chosen)))
+    kept = np.flatnonzero(weight[look.pieces.cluster] > NOISE_SHARE * weight.sum())
+    return measure_apart_from_contents(look.maker, [int(piece) for piece in kept])
+
+
+def measure_apart_from_contents(maker: BlobMaker, pieces: list[int]) -> Measured:
+    """Measures all pieces as one thing, less those that lie inside its rim."""
+    whole = measure(maker.blob(tuple(pieces)))
+    if not whole.is_round:
+        return whole
+    contents = [piece for piece in pieces if is_inside(maker.blob((piece,)), whole)]
+    shell = tuple(piece for piece in pieces if piece not in contents)
+    if not contents or not shell:
+        return whole
+    inner = maker.blob(tuple(contents))
+    blob = maker.blob(shell)
+    return measure(replace(blob, low=np.concatenate([blob.low, inner.xyz[inner.from_top]])))

@@ -33,7 +33,13 @@ BALL_RESIDUAL = 0.0022
 TOP_BIAS = (0.0007, 0.0018)
 """The mean of the highest points lies this far above the top, for opaque and for clear things (noisier) [m]."""
 
-CLEAR_LOSS = 0.25
+CROWN = 0.007
+"""Height of the topmost slice of a round thing [m]."""
+
+HIDDEN = 0.15
+"""A thing of which less than this share of the points is seen from above is hidden by what it carries."""
+
+CLEAR_LOSS = 0.20
 """Things around whose points more than this share of the pixels is unmeasured are transparent."""
 
 
@@ -47,8 +53,8 @@ class Blob:
     """(N, 3) in [0, 1]."""
     from_top: Mask
     """Seen by the top camera (N,)."""
-    lost: Array
-    """Share of unmeasured pixels around each point (N,)."""
+    clear: Array
+    """Share of unmeasured pixels around each point (N,); NaN where there are only edges."""
     pieces: tuple[int, ...]
     """Colour pieces it consists of."""
     second_share: float
@@ -59,6 +65,11 @@ class Blob:
     """Flat pixel index of each point in its view (N,)."""
     low: Array
     """Points too low to count as object (K, 3) that the top camera sees within the blob's outline: a hollow's floor."""
+
+    def lost(self) -> float:
+        """Mean share of unmeasured pixels, edges left aside; 0 if there are only edges."""
+        known = np.isfinite(self.clear)
+        return float(self.clear[known].mean()) if known.sum() >= 10 else 0.0
 
 
 @dataclass(frozen=True)
@@ -95,19 +106,32 @@ class Measured:
     sagitta: float
     """Bend of the centre line over the length."""
     lost: float
-    """Median share of unmeasured pixels around the points."""
+    """Mean share of unmeasured pixels around the points, edges left aside."""
     footprint: float
     """Area seen from above over the hull's area."""
 
 
-def measure(blob: Blob, support: float = 0.0) -> Measured:
-    """Measures a blob that stands at height `support` [m]."""
+def measure(blob: Blob, support: float = 0.0, load: Array | None = None) -> Measured:
+    """Measures a blob.
+
+    Args:
+        blob: Its points.
+        support: Height at which it stands [m].
+        load: Axis (2,) [m] of what stands on it, if anything does.
+    """
     xyz = blob.xyz
     above = xyz[blob.from_top] if blob.from_top.sum() >= 40 else xyz
-    top = top_height(xyz[:, 2]) - TOP_BIAS[int(np.median(blob.lost) > CLEAR_LOSS)]
+    top = top_height(xyz[:, 2]) - TOP_BIAS[int(blob.lost() > CLEAR_LOSS)]
+    if load is not None:
+        top = covered_top(blob)
+        if blob.from_top.mean() < HIDDEN:  # what hides it from above stands on its middle
+            above = np.concatenate([xyz, np.column_stack([2 * load - xyz[:, :2], xyz[:, 2]])])
     high = above[above[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
     view = outline(high if len(high) >= 20 else above)
     ball = fit_sphere(xyz if len(xyz) < 3000 else xyz[:: len(xyz) // 1500])
+    if view.roughness >= ROUND:  # from above, a lip may hide the far side of a belly
+        whole = outline(xyz[xyz[:, 2] > min(support + 0.009, support + 0.4 * (top - support))])
+        view = whole if whole.roughness < ROUND else view
     is_ball = _is_ball(ball, support, top, view)
     is_round = view.roughness < ROUND
     if is_ball:
@@ -118,7 +142,7 @@ def measure(blob: Blob, support: float = 0.0) -> Measured:
             ball.centre[2] + ball.radius,
         )
     else:
-        centre, radius, base = view.centre, view.radius, support
+        centre, radius, base = *_crowned(above, view, top), support
     box = _box(view, is_ball, is_round, centre, radius, base, top)
     if not is_round and not is_ball:
         centre = box.centre[:2]
@@ -143,7 +167,7 @@ def measure(blob: Blob, support: float = 0.0) -> Measured:
         rim_radius=rim,
         widths=widths,
         sagitta=sagitta,
-        lost=float(np.median(blob.lost)),
+        lost=blob.lost(),
         footprint=_footprint(above, view.hull_area),
     )
 
@@ -154,6 +178,31 @@ def top_height(z: Array) -> float:
     rank = max(3, int(0.01 * count))
     high = float(np.partition(z, count - rank)[count - rank]) if count > rank else float(z.max())
     return float(np.mean(z[z > high - 0.0015]))
+
+
+def covered_top(blob: Blob) -> float:
+    """Height of the top [m] of a blob that carries something, whose lowest points may have strayed into it."""
+    high = blob.xyz[blob.from_top, 2]
+    return float(np.quantile(high, 0.75)) if len(high) >= 25 else float(np.quantile(blob.xyz[:, 2], 0.96))
+
+
+def _crowned(above: Array, view: Outline, top: float) -> tuple[Array, float]:
+    """Centre (2,) and radius of a round thing by its top edge.
+
+    The top's circle is seen whole from above, while a lip or a shoulder hides the far side of what is wider below it:
+    there the outline falls short, so that the radius is the reach in the directions where it does not.
+    """
+    high = above[above[:, 2] > top - CROWN]
+    if len(high) < 25 or view.roughness >= ROUND:
+        return view.centre, view.radius
+    crown = outline(high)
+    if crown.roughness > ROUND or not 0.008 < crown.radius < 1.05 * view.radius:
+        return view.centre, view.radius
+    if np.hypot(*(crown.centre - view.centre)) > 0.15 * view.radius:
+        return view.centre, view.radius
+    reach = view.excess(crown.centre)
+    near = np.abs(reach - np.median(reach)) < 0.15 * view.radius  # without a handle
+    return crown.centre, float(np.quantile(reach[near], 0.7))
 
 
 def _is_ball(ball: Sphere, support: float, top: float, view: Outline) -> bool:

@@ -10,14 +10,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kb.references import References
 from kb.vocabulary import UNKNOWN_CATEGORY
 from tools.perception.blobs import BlobMaker
 from tools.perception.classify import Judgement, classify
+from tools.perception.contents import is_inside
 from tools.perception.features import colour_features, features
 from tools.perception.look import Look
-from tools.perception.measure import CLEAR_LOSS, Blob, Measured, measure
+from tools.perception.measure import CLEAR_LOSS, Blob, Measured, covered_top, measure
+from tools.perception.segment import BRIGHTNESS_RADIUS, CHROMA_RADIUS, chromaticity
+
+Array = NDArray[np.float64]
 
 UNKNOWN_COST = 2.0
 """Cost of an object that nothing known fits; a known one costs up to nothing."""
@@ -31,11 +36,23 @@ HANGING_COST = 2.5
 HANGING = 0.012
 """A piece whose lowest point is higher than this above its support hangs [m]."""
 
+BESIDE = 0.012
+"""Groups this near to each other in plan may be parts of one thing [m]."""
+
+SURE = 0.9
+"""Novelty (log) up to which what stands on something is taken for a thing of its own."""
+
+COVERED_COST = 0.4
+"""Share of the cost of strangeness that is left for a thing with something on top: its top is hidden."""
+
 CRUMB = 0.10
 """A piece with less than this share of the points of a union is more likely a detail of it than a thing [-]."""
 
 GAP = 0.045
 """How far the top of what is underneath may be hidden below a hanging thing [m]."""
+
+SPLINTER = 0.06
+"""Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
 
 MOST_PIECES = 7
 """Of a cluster with more pieces only the largest are told apart."""
@@ -79,7 +96,7 @@ class Merger:
         found: list[Candidate] = []
         for pieces in self._clusters():
             found += self._read(pieces)
-        return found
+        return [item for item in found if not any(_swallows(other, item) for other in found if other is not item)]
 
     def _clusters(self) -> list[list[int]]:
         """Pieces per spatial cluster; what hangs in the air joins the cluster under it.
@@ -103,12 +120,29 @@ class Merger:
                 under = np.all((xyz[:, :2] > low[:2]) & (xyz[:, :2] < high[:2]), axis=1) & (xyz[:, 2] < low[2] + 0.005)
                 if under.sum() >= 15 and low[2] - (top := float(xyz[under, 2].max())) < GAP:
                     best = max(best or (-1.0, -1), (top, j))
+            if best is None:
+                best = self._like_neighbour(i, groups)
             if best is not None:
                 for mine in groups[i]:
                     self._hung |= {(min(mine, other), max(mine, other)) for other in groups[best[1]]}
                 groups[best[1]] = sorted(groups[best[1]] + groups[i])
                 groups[i] = []
         return [group for group in groups if group]
+
+    def _like_neighbour(self, i: int, groups: list[list[int]]) -> tuple[float, int] | None:
+        """The group of the same colour right beside a hanging one: the step down between them is hidden from the front."""
+        blob = self._blob(tuple(groups[i]))
+        colour = chromaticity(blob.rgb.mean(0)[None])[0]
+        mine = np.quantile(blob.xyz, [0.02, 0.98], axis=0)
+        for j, group in enumerate(groups):
+            for piece in group if j != i else ():
+                other = self._blob((piece,))
+                span = np.quantile(other.xyz, [0.02, 0.98], axis=0)
+                apart = np.maximum(mine[0], span[0]) - np.minimum(mine[1], span[1])
+                hue = chromaticity(other.rgb.mean(0)[None])[0]
+                if np.all(apart[:2] < BESIDE) and np.hypot(*(colour - hue)[:2]) < CHROMA_RADIUS / 2:
+                    return 0.0, j
+        return None
 
     def _read(self, pieces: list[int]) -> list[Candidate]:
         """The cheapest reading of one cluster: pairs of touching groups are merged while that saves cost."""
@@ -137,6 +171,12 @@ class Merger:
 
     def _gain(self, groups: list[tuple[int, ...]], i: int, j: int) -> float:
         """Cost saved by merging two groups; negative if they do not touch."""
+        upper, lower = self._candidate(groups[i], groups), self._candidate(groups[j], groups)
+        for one, two, group in ((upper, lower, groups[j]), (lower, upper, groups[i])):
+            if one.under in group and one.known and one.judgement.distance < SURE and not two.known:
+                return -1.0
+            if one.under in group and one.known and two.known:
+                return -1.0
         pairs = {(min(a, b), max(a, b)) for a in groups[i] for b in groups[j]}
         if not (pairs & self._look.pieces.links.keys() or pairs & self._hung):
             return -1.0
@@ -146,13 +186,29 @@ class Merger:
         gain = first.cost + second.cost - both.cost
         if min(first.measured.lost, second.measured.lost) > CLEAR_LOSS:
             return gain + 1.5  # what is seen through glass colours it unevenly
+        if self._alike(groups[i], groups[j]):
+            return gain + 1.5  # one colour that something else cuts apart
         share = len(first.measured.blob.xyz) / len(both.measured.blob.xyz)
-        crumb = min(share, 1 - share) < CRUMB
+        stacked = first.under in groups[j] or second.under in groups[i]
+        crumb = min(share, 1 - share) < CRUMB and not stacked
         if not (both.known or first.hangs or second.hangs or crumb):
             return -1.0  # two strange things side by side are two
         if both.known and first.known and second.known and not crumb:
             return -1.0  # a cube beside a block may look like a box, but each is something by itself
         return gain
+
+    def _alike(self, one: tuple[int, ...], two: tuple[int, ...]) -> bool:
+        """Two pieces of these groups that touch have the same colour."""
+        for a in one:
+            for b in two:
+                if (min(a, b), max(a, b)) in self._look.pieces.links:
+                    difference = self._hue(a) - self._hue(b)
+                    if np.hypot(*difference[:2]) < CHROMA_RADIUS / 2 and abs(difference[2]) < BRIGHTNESS_RADIUS / 2:
+                        return True
+        return False
+
+    def _hue(self, piece: int) -> Array:
+        return chromaticity(self._blob((piece,)).rgb.mean(0)[None])[0]
 
     def _blob(self, group: tuple[int, ...]) -> Blob:
         if group not in self._blobs:
@@ -164,20 +220,30 @@ class Merger:
     ) -> Candidate:
         """The group read as one object among the others."""
         under, support = self._support(group, others)
-        key = (*group, -1, -1 if under is None else under, -1, *contents)
+        carried = self._carried(group, others)
+        key = (*group, -1, -1 if under is None else under, -1, *contents, -1, *(carried or ()))
         if key not in self._cache:
             blob = self._blob(group)
             if contents:
                 inner = self._blob(contents)
                 blob = replace(blob, low=np.concatenate([blob.low, inner.xyz[inner.from_top]]))
-            measured = measure(blob, support)
+            load = None if carried is None else self._candidate(carried, [group]).measured.centre
+            measured = measure(blob, support, load)
             judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
             lowest = float(np.quantile(blob.xyz[:, 2], 0.02))
             hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
-            cost = OBJECT_COST + UNKNOWN_COST * unknown + HANGING_COST * hangs
+            strange = UNKNOWN_COST * unknown * (1.0 if carried is None else COVERED_COST)
+            cost = OBJECT_COST + strange + HANGING_COST * hangs
             self._cache[key] = Candidate(measured, judgement, cost, contents, under, hangs)
         return self._cache[key]
+
+    def _carried(self, group: tuple[int, ...], others: list[tuple[int, ...]]) -> tuple[int, ...] | None:
+        """The largest group that stands on this one, if any."""
+        on_top = [
+            other for other in others if not set(other) & set(group) and self._support(other, [group])[0] is not None
+        ]
+        return max(on_top, key=lambda other: len(self._blob(other).xyz), default=None)
 
     def _support(self, group: tuple[int, ...], others: list[tuple[int, ...]]) -> tuple[int | None, float]:
         """The piece under a group and the height at which the group stands [m]; (None, 0) on the table."""
@@ -185,15 +251,14 @@ class Merger:
         lowest = float(np.quantile(blob.xyz[:, 2], 0.02))
         if lowest < 0.014:
             return None, 0.0
-        middle = np.median(blob.xyz[:, :2], axis=0)
+        span = np.quantile(blob.xyz, [0.02, 0.98], axis=0)
         best: tuple[int | None, float] = (None, 0.0)
         for other in others:
             if other == group or set(other) & set(group):
                 continue
-            xyz = self._blob(other).xyz
-            low, high = np.quantile(xyz, [0.01, 0.99], axis=0)
-            beneath = np.all((middle > low[:2] - 0.004) & (middle < high[:2] + 0.004))
-            top = float(high[2])
+            low, high = np.quantile(self._blob(other).xyz, [0.01, 0.99], axis=0)
+            beneath = np.all((low[:2] < span[1, :2] - 0.006) & (high[:2] > span[0, :2] + 0.006))
+            top = covered_top(self._blob(other))
             if beneath and top < lowest + 0.010 and top > best[1]:
                 best = (other[0], top)
         return best
@@ -206,22 +271,19 @@ class Merger:
             for other in groups:
                 if other == group or other[0] in inside:
                     continue
-                holder = self._candidate(other, groups).measured
-                if not holder.is_round or holder.radius < 0.02 or len(holder.blob.xyz) < 0.5 * len(blob.xyz):
-                    continue
-                reach = np.hypot(*(blob.xyz[:, :2] - holder.centre).T)
-                within = np.quantile(reach, 0.95) < 0.96 * holder.radius and blob.from_top.mean() > 0.3
-                if within and np.quantile(blob.xyz[:, 2], 0.95) < holder.top + 0.004 and self._ring(holder):
+                if is_inside(blob, self._candidate(other, groups).measured):
                     inside[group[0]] = other[0]
                     break
         return inside
 
-    @staticmethod
-    def _ring(holder: Measured) -> bool:
-        """The holder's highest points form a ring: it has a rim and not a lid."""
-        xyz = holder.blob.xyz
-        high = xyz[(xyz[:, 2] > holder.top - 0.006) & holder.blob.from_top]
-        if len(high) < 15:
-            return False
-        reach = np.hypot(*(high[:, :2] - holder.centre).T)
-        return bool(np.quantile(reach, 0.3) > 0.7 * holder.radius)
+
+def _swallows(big: Candidate, small: Candidate) -> bool:
+    """The small one's points are a few of the big one's own that did not link up with the rest."""
+    xyz, holder = small.measured.blob.xyz, big.measured
+    if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known:
+        return False
+    if holder.is_round or holder.is_ball:
+        inside = np.hypot(*(xyz[:, :2] - holder.centre).T) < holder.radius + 0.004
+    else:
+        inside = np.all(np.abs(holder.box.local(xyz)[:, :2]) < holder.box.size[:2] / 2 + 0.004, axis=1)
+    return bool(np.mean(inside & (xyz[:, 2] < holder.top + 0.003)) > 0.85)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tools.perception.calibrate_view import CalibratedView
 from tools.perception.connected import connected
 from tools.perception.table_plane import TABLE_LOWER, TABLE_UPPER
+from tools.perception.transparency import clear_share
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -48,6 +49,8 @@ class ObjectPoints:
     """Number of the view (N,)."""
     pixel: Index
     """Flat pixel index in that view (N,)."""
+    clear: Array
+    """Share of unmeasured pixels around each point (N,), about one half on glass; NaN where there are only edges."""
     voxel: Index
     """Number of the point's voxel (N,)."""
     keys: Index
@@ -70,6 +73,7 @@ def object_points(views: tuple[CalibratedView, ...]) -> ObjectPoints:
     rgb: list[Array] = []
     which: list[NDArray[np.int8]] = []
     pixels: list[Index] = []
+    clear: list[Array] = []
     for number, view in enumerate(views):
         p = view.points
         inside = view.measured & (p[..., 2] > LOWEST) & (p[..., 2] < HIGHEST)
@@ -80,11 +84,20 @@ def object_points(views: tuple[CalibratedView, ...]) -> ObjectPoints:
         rgb.append(view.rgb.reshape(-1, 3)[chosen] / 255.0)
         which.append(np.full(len(chosen), number, np.int8))
         pixels.append(chosen)
+        clear.append(clear_share(view.raw).reshape(-1)[chosen])
     points = np.concatenate(xyz)
     cells = np.floor((points - _ORIGIN) / VOXEL).astype(np.intp)
     flat = (cells[:, 0] * _GRID[1] + cells[:, 1]) * _GRID[2] + cells[:, 2]
     keys, voxel = np.unique(flat, return_inverse=True)
-    return ObjectPoints(points, np.concatenate(rgb), np.concatenate(which), np.concatenate(pixels), voxel, keys)
+    return ObjectPoints(
+        xyz=points,
+        rgb=np.concatenate(rgb),
+        view=np.concatenate(which),
+        pixel=np.concatenate(pixels),
+        clear=np.concatenate(clear),
+        voxel=voxel.reshape(-1),
+        keys=keys,
+    )
 
 
 def _half_neighbourhood(reach: int) -> Index:

@@ -51,6 +51,10 @@ class Outline:
     hull_area: float
     """Area of the convex hull [m^2]."""
 
+    def excess(self, centre: Array) -> Array:
+        """Reach from a point (2,) along each azimuth (DIRECTIONS,) [m]."""
+        return self.support - (centre - self.origin) @ _UNIT
+
     def rectangle(self) -> tuple[Array, float, float, float]:
         """The smallest rectangle: centre (2,) [m], azimuth of its longer side [rad], longer and shorter side [m]."""
         half, quarter = DIRECTIONS // 2, DIRECTIONS // 4

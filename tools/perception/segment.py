@@ -20,14 +20,21 @@ Index = NDArray[np.intp]
 FEWEST_POINTS = 30
 """Clusters with fewer points are noise at edges."""
 
-CHROMA_RADIUS = 0.055
+CHROMA_RADIUS = 0.042
 """Largest distance of a voxel's chromaticity (r, g over the sum) from its colour mode."""
 
 BRIGHTNESS_RADIUS = 1.5
 """Largest difference of log brightness within a colour mode: light alone explains a factor of 3 (ambient 0.35)."""
 
+MOST_MODES = 8
+"""Colours told apart in one cluster."""
+
 SMALLEST_SHARE = 0.02
 """Pieces with a smaller share of their cluster's points are absorbed by a neighbour."""
+
+
+GLASS = 0.28
+"""Voxels around which more than this share of the pixels is lost are glass: their colour is that of what is behind."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +42,7 @@ class Pieces:
     """Pieces of uniform colour."""
 
     label: Index
-    """Piece of each voxel (V,); -1 for noise."""
+    """Piece of each point (N,); -1 for noise."""
     cluster: Index
     """Spatial cluster of each piece (P,)."""
     links: dict[tuple[int, int], int]
@@ -55,7 +62,8 @@ def segment(points: ObjectPoints) -> Pieces:
     amount = points.voxel_counts()
     size = np.bincount(cluster, weights=amount)
     colour = points.voxel_mean(points.rgb)
-    mode = _colour_modes(chromaticity(colour), colour, amount, cluster, size)
+    glass = _glass(points, first, second)
+    mode = _colour_modes(chromaticity(colour), colour, amount, cluster, size, glass)
     mode = _smoothed(mode, amount, first, second)
     same = mode[first] == mode[second]
     piece = connected(len(points.keys), first[same], second[same])
@@ -70,32 +78,73 @@ def segment(points: ObjectPoints) -> Pieces:
     label = np.where(label >= 0, renumber[label], -1)
     owner = np.zeros(len(kept), np.intp)
     owner[label[label >= 0]] = cluster[label >= 0]
-    return Pieces(label, owner, _links(label, first, second))
+    links = _links(label, first, second)
+    return Pieces(_sharpened(label, points, first, second), owner, links)
 
 
-def _colour_modes(chroma: Array, colour: Array, amount: Index, cluster: Index, size: Array) -> Index:
-    """Colour mode of each voxel (V,): per cluster, the commonest colour takes all voxels near it, then the next one."""
+def _glass(points: ObjectPoints, first: Index, second: Index) -> NDArray[np.bool_]:
+    """Which voxels (V,) are glass; where there are only edges, the neighbours decide."""
+    known = np.isfinite(points.clear)
+    count = len(points.keys)
+    weight = np.bincount(points.voxel[known], minlength=count).astype(np.float64)
+    share = np.bincount(points.voxel[known], weights=points.clear[known], minlength=count)
+    sure = weight >= 3
+    value = np.where(sure, share / np.maximum(weight, 1.0), 0.0)
+    trust = sure.astype(np.float64)
+    for _ in range(3):
+        total = np.bincount(first, weights=(value * trust)[second], minlength=count)
+        total += np.bincount(second, weights=(value * trust)[first], minlength=count)
+        amount = np.bincount(first, weights=trust[second], minlength=count)
+        amount += np.bincount(second, weights=trust[first], minlength=count)
+        reached = (trust == 0) & (amount > 0)
+        value[reached] = total[reached] / amount[reached]
+        trust[reached] = 0.5
+    return value > GLASS
+
+
+def _colour_modes(
+    chroma: Array, colour: Array, amount: Index, cluster: Index, size: Array, glass: NDArray[np.bool_]
+) -> Index:
+    """Colour mode of each voxel (V,): per cluster, the commonest colour takes all voxels near it, then the next one.
+
+    All glass of a cluster is one mode.
+    """
     mode = np.zeros(len(cluster), np.intp)
     fresh = 0
     # Dark colours have noisy chromaticity: 0.012 of full scale per channel over a small sum.
     radius = np.maximum(CHROMA_RADIUS, 0.03 / np.maximum(colour.sum(1), 0.05))
     for number in np.flatnonzero(size >= FEWEST_POINTS):
-        left = np.flatnonzero(cluster == number)
-        whole = amount[left].sum()
-        while len(left):
-            centre = _densest(chroma[left], amount[left])
-            for _ in range(3):
-                near = _distance(chroma[left], centre, radius[left]) < 1.0
-                if not near.any():
-                    break
-                centre = np.average(chroma[left][near], axis=0, weights=amount[left][near])
+        mode[(cluster == number) & glass] = fresh
+        solid = np.flatnonzero((cluster == number) & ~glass)
+        if len(solid):
+            mode[solid] = fresh + 1 + _modes_of(chroma[solid], amount[solid], radius[solid])
+        fresh = int(mode.max()) + 1
+    return mode
+
+
+def _modes_of(chroma: Array, amount: Index, radius: Array) -> Index:
+    """Colour mode (n,) of the voxels of one cluster."""
+    centres: list[Array] = []
+    left = np.arange(len(chroma))
+    while len(left) and amount[left].sum() > 0.01 * amount.sum() and len(centres) < MOST_MODES:
+        centre = _densest(chroma[left], amount[left])
+        near = np.zeros(len(left), bool)
+        for _ in range(3):
             near = _distance(chroma[left], centre, radius[left]) < 1.0
-            fresh += 1
-            if not near.any() or amount[left].sum() < 0.01 * whole:
-                mode[left] = fresh
+            if not near.any():
                 break
-            mode[left[near]] = fresh
-            left = left[~near]
+            centre = np.average(chroma[left][near], axis=0, weights=amount[left][near])
+        if not near.any():
+            break
+        centres.append(centre)
+        left = left[~near]
+    mode = np.zeros(len(chroma), np.intp)
+    for _ in range(3 if centres else 0):
+        mode = np.argmin([_distance(chroma, centre, radius) for centre in centres], axis=0)
+        centres = [
+            np.average(chroma[mode == k], axis=0, weights=amount[mode == k]) if (mode == k).any() else centre
+            for k, centre in enumerate(centres)
+        ]
     return mode
 
 
@@ -153,6 +202,31 @@ def _absorb_small(piece: Index, amount: Index, cluster: Index, size: Array, firs
         goal[pairs[order] // len(count)] = pairs[order] % len(count)
         piece = goal[piece]
     return piece
+
+
+def _sharpened(label: Index, points: ObjectPoints, first: Index, second: Index) -> Index:
+    """Piece of each point (N,): at borders between two pieces every point goes by its own colour and transparency."""
+    rival = np.full(len(label), -1)
+    cross = (label[first] != label[second]) & (label[first] >= 0) & (label[second] >= 0)
+    rival[first[cross]] = label[second[cross]]
+    rival[second[cross]] = label[first[cross]]
+    mine = label[points.voxel]
+    other = rival[points.voxel]
+    torn = np.flatnonzero(other >= 0)
+    if not len(torn):
+        return mine
+    count = int(label.max()) + 1
+    sure = (mine >= 0) & (other < 0)
+    weight = np.maximum(np.bincount(mine[sure], minlength=count), 1)[:, None]
+    feel = np.column_stack([chromaticity(points.rgb) * np.array([1.0, 1.0, 0.08]), 0.3 * np.nan_to_num(points.clear)])
+    mean = np.column_stack([np.bincount(mine[sure], weights=c, minlength=count) for c in feel[sure].T]) / weight
+    lone = np.bincount(mine[sure], minlength=count) < 10  # a piece that is all border keeps its points
+    to_mine = np.linalg.norm(feel[torn] - mean[mine[torn]], axis=1)
+    to_other = np.linalg.norm(feel[torn] - mean[other[torn]], axis=1)
+    switch = (to_other < to_mine) & ~lone[mine[torn]] & ~lone[other[torn]]
+    sharp = mine.copy()
+    sharp[torn[switch]] = other[torn[switch]]
+    return sharp
 
 
 def _links(label: Index, first: Index, second: Index) -> dict[tuple[int, int], int]:

@@ -1,0 +1,26 @@
+"""What lies inside a rim is contents, not an object."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tools.perception.measure import Blob, Measured
+
+
+def is_inside(blob: Blob, holder: Measured) -> bool:
+    """The blob is seen inside the rim of a round holder, and not above it."""
+    if not holder.is_round or holder.radius < 0.02 or len(holder.blob.xyz) < 0.5 * len(blob.xyz):
+        return False
+    reach = np.hypot(*(blob.xyz[:, :2] - holder.centre).T)
+    within = np.quantile(reach, 0.95) < 0.96 * holder.radius and blob.from_top.mean() > 0.3
+    return bool(within and np.quantile(blob.xyz[:, 2], 0.95) < holder.top + 0.004 and _has_rim(holder))
+
+
+def _has_rim(holder: Measured) -> bool:
+    """The holder's highest points form a ring: it has a rim and not a lid."""
+    xyz = holder.blob.xyz
+    high = xyz[(xyz[:, 2] > holder.top - 0.006) & holder.blob.from_top]
+    if len(high) < 15:
+        return False
+    reach = np.hypot(*(high[:, :2] - holder.centre).T)
+    return bool(np.quantile(reach, 0.3) > 0.7 * holder.radius)
