@@ -37,7 +37,7 @@ from tools.planning.rank_candidates import Ranked, estimate
 from tools.planning.remembered import RememberedGrasp
 from tools.planning.search import Posture, Search
 from tools.planning.shape_grasp import explain, shape_grasp
-from tools.planning.surroundings import surroundings
+from tools.planning.surroundings import surroundings, thinned
 
 CLEARANCE = 0.006
 """Clearance wanted from everything perceived [m]; scaled by the margins of constraints and corrections."""
@@ -45,6 +45,8 @@ LAST_CLEARANCES = (0.003, -0.001)
 """If nothing has that much, any region with this much is taken [m]; the last is contact within perception's error."""
 
 
+OWN_POINTS = 400
+"""Points of the target that the hand's way is checked against."""
 ARM_CLEARANCE = 0.004
 """Distance that the arm's links keep from everything perceived [m]."""
 
@@ -121,6 +123,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         correction=correction,
         avoid=args.retrieval.avoid if args.retrieval and switches.prior == "experience" else (),
         neighbours_w=around.points_w,
+        own_w=thinned(subject.surface_points(), OWN_POINTS),
         use_clearance=switches.clearance,
         reach=lambda grasp, way: _posture(grasp, context, around if way else None),
         rejected=rejected,
@@ -194,16 +197,18 @@ def _search(
 ) -> tuple[Ranked, Posture, GraspPrior, ForceTerms] | None:
     """Regions in the order of the priors with full clearance, then any region with less and less of it."""
     margin = args.constraints.adjustment.margin * (args.correction.margin if args.correction else 1.0)
-    for prior in chain:
-        group = [item for item in pool if prior.region is None or item.candidate.region == prior.region]
+    wanted = args.correction.changes.get("type") if args.correction else None
+    stages: list[tuple[list[Constrained], GraspPrior, float]] = []
+    for type_ in dict.fromkeys((wanted, None)):
+        typed = [item for item in pool if type_ is None or item.candidate.type == type_]
+        for prior in chain:
+            group = [item for item in typed if prior.region is None or item.candidate.region == prior.region]
+            stages.append((group, prior, CLEARANCE * margin))
+        stages.append((typed, chain[0], CLEARANCE * margin))
+    stages += [(pool, chain[0], required) for required in LAST_CLEARANCES]
+    for group, prior, required in stages:
         force = _force(args, search.subject, prior)
-        found = search.best(group, prior, force, CLEARANCE * margin) if group else None
-        if found is not None:
-            return (*found, prior, force)
-    prior = chain[0]
-    force = _force(args, search.subject, prior)
-    for required in (CLEARANCE * margin, *LAST_CLEARANCES):
-        found = search.best(pool, prior, force, required)
+        found = search.best(group, prior, force, required) if group else None
         if found is not None:
             return (*found, prior, force)
     return None

@@ -13,8 +13,6 @@ HELD = 1.9
 """A load must be sensed this long after the lift [s] (benchmark.md section 3: 2 s and the shake)."""
 RAISED = 0.10
 """Demanded height of the lift [m]."""
-LOAD_SHARE = 0.45
-"""The carried mass may not fall below this share of what was carried after the test lift."""
 LEAST_LOAD = 0.005
 """Below this the wrist can't tell a load from none [kg]."""
 SUNK = 0.0035
@@ -41,8 +39,6 @@ def doubts(plan: Plan, evidence: Evidence, constraints: Constraints, target: Per
         found.append(f"a load was sensed for {sensed.held_s:.1f} s only")
     if sensed.load_end < max(LEAST_LOAD, 0.4 * target.mass[0]):
         found.append(f"{sensed.load_end:.3f} kg on the wrist at the end, {target.mass[0]:.3f} expected at least")
-    elif sensed.load_min < LOAD_SHARE * sensed.load_end:
-        found.append(f"the load fell to {sensed.load_min:.3f} kg on the way")
     found += _wrong_thing(plan, evidence, target)
     bearable = maximum_force(target.affordance.fragility)
     if sensed.closing_force_peak > bearable:

@@ -13,7 +13,7 @@ from kb.experience import RetrievedExperience
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.sensing import Correction
-from sim.hand import swept_clearance, swept_distances
+from sim.hand import FULL_LIFT, HAND_RADIUS, swept_clearance, swept_distances
 from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
 from tools.planning.force_choice import ForceTerms
@@ -47,6 +47,8 @@ class Search:
     avoid: tuple[RetrievedExperience, ...]
     neighbours_w: Array
     """Points of everything else, shape (N, 3) [m]."""
+    own_w: Array
+    """Points of the target itself, shape (N, 3) [m]."""
     use_clearance: bool
     reach: Callable[[Grasp, bool], Posture | None]
     """Joint angles for a grasp, or None; the flag asks for a free way to it as well."""
@@ -79,8 +81,8 @@ class Search:
                 continue
             if not exact:
                 measured += 1
-                known = self._measured(ranked, prior, force, narrow_exists)
-                if known is not None and self._clear(known, required):
+                known = self._measured(ranked, prior, force, narrow_exists, required)
+                if known is not None:
                     heapq.heappush(heap, (-known.score, name, True, known))
                 continue
             postures += 1
@@ -109,42 +111,48 @@ class Search:
             score -= WIDE_MALUS
         return Ranked(item=item, grasp=grasp, quality=quality, score=score, clearance=clearance)
 
-    def _measured(self, ranked: Ranked, prior: GraspPrior, force: ForceTerms, narrow_exists: bool) -> Ranked | None:
-        """The candidate with its true clearance, with a narrower opening where that helps; None if it hits itself."""
-        item = ranked.item
-        if not self._fits_itself(ranked.grasp, item.candidate.width):
-            narrower = narrow_opening(item.candidate)
-            grasp = ranked.grasp.model_copy(update={"aperture": narrower})
-            if not self._fits_itself(grasp, item.candidate.width):
-                self._reject("hand would touch another part of the object")
+    def _measured(
+        self, ranked: Ranked, prior: GraspPrior, force: ForceTerms, narrow_exists: bool, required: float
+    ) -> Ranked | None:
+        """The candidate with its true clearance, with a narrower opening where that helps; None if it can't be done."""
+        item, narrowest = ranked.item, narrow_opening(ranked.item.candidate)
+        clearance, opening = FREE if len(self.neighbours_w) == 0 else ROOMY, ranked.grasp.aperture
+        if self.use_clearance and len(self.neighbours_w):
+            clearance, opening = self._roomiest(ranked.grasp, narrowest, required)
+            if clearance < required:
+                self._reject("too close to a neighbour")
                 return None
-            ranked = self._graded(item, prior, force, ranked.clearance, narrower, narrow_exists)
-        if not self.use_clearance:
-            return ranked
-        if not len(self.neighbours_w):
-            return self._graded(item, prior, force, FREE, ranked.grasp.aperture, narrow_exists)
-        clearance = swept_clearance(ranked.grasp, self.neighbours_w)
-        opening = ranked.grasp.aperture
-        if clearance < ROOMY:
-            narrower = min(opening, narrow_opening(item.candidate))
-            slim = ranked.grasp.model_copy(update={"aperture": narrower})
-            gained = swept_clearance(slim, self.neighbours_w)
-            if gained > clearance + 0.002:
-                clearance, opening = gained, narrower
-        return self._graded(item, prior, force, min(clearance, FREE), opening, narrow_exists)
+        for width in dict.fromkeys((opening, min(opening, narrowest))):
+            known = self._graded(item, prior, force, min(clearance, FREE), width, narrow_exists)
+            if self._fits_itself(known.grasp, item.candidate.width):
+                return known
+        self._reject("hand would touch another part of the object")
+        return None
+
+    def _roomiest(self, grasp: Grasp, narrowest: float, required: float) -> tuple[float, float]:
+        """Clearance from the neighbours [m], and the opening with which it is had [m]."""
+        offset = self.neighbours_w - np.asarray(grasp.position)
+        far = HAND_RADIUS + grasp.standoff + FULL_LIFT + ROOMY
+        near = self.neighbours_w[np.einsum("ij,ij->i", offset, offset) < far * far]
+        if not len(near):
+            return FREE, grasp.aperture
+        slim = grasp.model_copy(update={"aperture": min(grasp.aperture, narrowest)})
+        # Lifting and opening wider only take clearance away, so the cheapest case rules out most.
+        least = swept_clearance(slim, near, lift=0.0)
+        if least < required:
+            return least, slim.aperture
+        wide = swept_clearance(grasp, near)
+        if wide >= ROOMY:
+            return wide, grasp.aperture
+        narrow = swept_clearance(slim, near)
+        return (narrow, slim.aperture) if narrow > wide + 0.002 else (wide, grasp.aperture)
 
     def _fits_itself(self, grasp: Grasp, width: float) -> bool:
         """Whether the open hand keeps off the target's own surface on its way."""
-        own = swept_distances(grasp, self.subject.surface_points(), lift=0.0)
+        own = swept_distances(grasp, self.own_w, lift=0.0)
         # Things that fill the hand touch the fingers all the way.
         wanted = min(OWN_CLEARANCE, (grasp.aperture - width) / 2 - 0.003)
         return len(own) < 4 or float(np.partition(own, 2)[2]) >= wanted
-
-    def _clear(self, ranked: Ranked, required: float) -> bool:
-        if not self.use_clearance or ranked.clearance >= required:
-            return True
-        self._reject("too close to a neighbour")
-        return False
 
     def _reject(self, reason: str) -> None:
         self.rejected[reason] = self.rejected.get(reason, 0) + 1

@@ -38,11 +38,17 @@ def completed(other: PerceivedObject) -> Array:
     points_w = other.surface_points()
     if len(points_w) < 8:
         return box_points(other)
-    if len(points_w) > POINTS_PER_OBJECT:
-        points_w = points_w[np.linspace(0, len(points_w) - 1, POINTS_PER_OBJECT).astype(int)]
+    points_w = thinned(points_w, POINTS_PER_OBJECT)
     turned = points_w.copy()
     turned[:, :2] = 2 * np.asarray(other.position)[:2] - turned[:, :2]
     return np.concatenate([points_w, turned])
+
+
+def thinned(points_w: Array, limit: int) -> Array:
+    """At most `limit` evenly chosen points, shape (N, 3)."""
+    if len(points_w) <= limit:
+        return points_w
+    return points_w[np.linspace(0, len(points_w) - 1, limit).astype(int)]
 
 
 def box_points(other: PerceivedObject) -> Array:
