@@ -55,7 +55,10 @@ def read_lines() -> Iterator[str]:
     Yields an empty line for Ctrl-C at the prompt.
     """
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        yield from (line.rstrip("\n") for line in sys.stdin)
+        for line in sys.stdin:
+            # Nobody sees what was typed in a pipe; the transcript must be readable all the same.
+            print(PROMPT + line.rstrip("\n"), flush=True)
+            yield line.rstrip("\n")
         return
     from prompt_toolkit import PromptSession
     from prompt_toolkit.auto_suggest import AutoSuggestFromHistory

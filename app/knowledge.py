@@ -146,3 +146,43 @@ def _check_descriptor(described: dict[str, Any]) -> None:
             raise BadInputError(f'"{described[key]}" is not a choice', where=options[key], choices=allowed)
     if "fragility" in described and not 0.0 <= described["fragility"] <= 1.0:
         raise BadInputError(f"{described['fragility']} is not a choice", where="--fragility", choices=("0 to 1",))
+
+
+def build_store(out: Path, *, workers: int, trials: int, categories: tuple[str, ...]) -> None:
+    """Makes a knowledge base by physical trials and writes it, with progress on standard error.
+
+    Raises:
+        BadInputError: the file cannot be written there, or a category is unknown.
+    """
+    from app.console import make_console
+    from app.files import refuse_unwritable_file
+    from kb.shape_colour import ShapeColourEmbedder
+    from kb.store import new_store
+    from tools.experience.recipe import category_plans
+    from tools.gather_experience import build_knowledge_base
+
+    refuse_unwritable_file(out, where="--out")
+    known = tuple(plan.category for plan in category_plans())
+    for name in categories:
+        if name not in known:
+            raise BadInputError(f'there are no recipes for "{name}"', where="--categories", choices=known)
+    console = make_console(stderr=True)
+
+    def lines(done: int, total: int, what: str) -> None:
+        console.print(f"{done}/{total} {what}", markup=False)
+
+    if console.is_terminal:
+        from rich.progress import Progress
+
+        with Progress(console=console) as bar:
+            task = bar.add_task("physical trials", total=None)
+            entries = build_knowledge_base(
+                lambda done, total, what: bar.update(task, completed=done, total=total, description=what),
+                workers=workers, trials=trials, categories=categories,
+            )  # fmt: skip
+    else:
+        entries = build_knowledge_base(lines, workers=workers, trials=trials, categories=categories)
+    embedder = ShapeColourEmbedder()
+    new_store(entries, embedder=embedder.name, dim=embedder.dim, path=out).save(out)
+    good = sum(entry.success for entry in entries)
+    console.print(f"{len(entries)} experiences, {good} successes and {len(entries) - good} failures, in {out}")

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 RESULT, TRACE, FORCES, PICTURE, VIDEO = "result.json", "trace.jsonl", "forces.json", "picture.png", "video"
 CAMERAS = "cameras"
+PICTURE_SIZE = (960, 540)
+"""Of the last moment [px]."""
 OWN_FILES = frozenset({RESULT, TRACE})
 """By these an earlier record is recognised, which may be written over."""
 
@@ -131,7 +133,7 @@ class RunRecord:
 
         with PictureMaker(placed) as maker:
             progress("painting the last moment")
-            write_atomically(self.folder / PICTURE, png(maker.picture(qpos, OVERVIEW)))
+            write_atomically(self.folder / PICTURE, png(maker.picture(qpos, OVERVIEW, *PICTURE_SIZE)))
             moments = choose_moments(self.sampler.moments, MAX_FRAMES[maker.kind])
             if not moments:
                 return

@@ -74,8 +74,14 @@ def query(
 def build(
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Where to write the knowledge base.")],
     workers: Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")] = 2,
+    trials: Annotated[int, typer.Option("--trials", min=10, max=200, metavar="N", help="Trials per entry.")] = 10,
+    categories: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--categories", metavar="A,B", help="Only these (default: all)."),
+    ] = None,
 ) -> None:
-    """Rebuild the knowledge base by physical trials; the same seeds give the same file."""
+    """Make the knowledge base again by physical trials; the same seeds give the same file."""
     from app.knowledge import build_store
 
-    build_store(out, workers)
+    names = tuple(name.strip() for name in (categories or "").split(",") if name.strip())
+    build_store(out, workers=workers, trials=trials, categories=names)
