@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_EXTRA_ACTIONS
 from agent.state import State, Update
@@ -72,13 +73,16 @@ def describe(goal: Goal) -> str:
     return f"moving the {what} out of the way" if goal.placement.kind == "aside" else f"placing the {what}"
 
 
-def put_back(held_id: str, category: str) -> Goal:
+def put_back(held: Held) -> Goal:
     """The sub-goal that frees the hand."""
     return Goal(
         kind="place",
-        reference=Reference(words=f"the {category.replace('_', ' ')}", ids=(held_id,)),
+        reference=Reference(words=f"the {held.category.replace('_', ' ')}", ids=(held.object.id,)),
         placement=Placement(kind="back"),
-        target_category=category,
+        target=held.object.id,
+        target_category=held.category,
+        target_position=held.object.position,
+        taken_in=held.motion,
     )
 
 

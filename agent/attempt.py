@@ -60,4 +60,6 @@ class Held(Noun):
     category: str
     load: float = 0.0
     """Mass sensed by the wrist [kg]."""
+    motion: int = 0
+    """Number of the motion that took it."""
     handed_over: bool = False

@@ -110,7 +110,9 @@ class Goal(Noun):
     target_category: str | None = None
     """What a person would call the target: the noun's category where one was said, else what was perceived."""
     target_position: Vec3 | None = None
-    """Where the target was when it was grounded [m]."""
+    """Where the target was when it was grounded, or before it was taken if it is in the hand [m]."""
+    taken_in: int | None = None
+    """Number of the motion that took the target, if it was in the hand already when this goal began."""
     status: Literal["open", "done", "failed"] = "open"
     claimed: bool = False
     """The agent's own word."""

@@ -129,7 +129,7 @@ def _thing(state: State, percept: Percept) -> Grounded:
     obj = next(o for o in scope.objects if o.id == got.ids[0])
     held = state.held
     if held is not None and obj.id != held.object.id:
-        back = put_back(held.object.id, held.category).model_copy(update={"target": held.object.id})
+        back = put_back(held)
         text = f"My hand is not free: first I put the {held.category.replace('_', ' ')} back."
         return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
     if held is None and goal.placement is not None and goal.placement.kind == "back" and goal.parent is None:
@@ -146,6 +146,7 @@ def _thing(state: State, percept: Percept) -> Grounded:
             "target": obj.id,
             "target_category": obj.category if obj.category in said or len(said) != 1 else said[0],
             "target_position": obj.position,
+            "taken_in": held.motion if held is not None else None,
             "placement": placement,
             "note": got.note,
         }
@@ -184,7 +185,7 @@ def _again(state: State, percept: Percept) -> Grounded:
     if held is not None and held.object.id == goal.target:
         return Grounded(Update())
     if held is not None:
-        back = put_back(held.object.id, held.category).model_copy(update={"target": held.object.id})
+        back = put_back(held)
         text = f"My hand is not free: first I put the {held.category.replace('_', ' ')} back."
         return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
     if any(obj.id == goal.target for obj in percept.objects):
@@ -223,7 +224,7 @@ def _many(state: State, percept: Percept) -> Grounded:
     goal = state.goal
     if state.held is not None:
         held = state.held
-        back = put_back(held.object.id, held.category).model_copy(update={"target": held.object.id})
+        back = put_back(held)
         step = events.SubGoal(text="My hand is not free: first I put that back.", goal=state.current, pushed=back)
         return Grounded(push(state, back), (step,))
     if goal.reference is not None and goal.reference.ids:

@@ -358,7 +358,7 @@ def reflect(state: State, runtime: Run) -> Update:
         context.emit(events.Reflection(text=phrases.give_up(why, last), goal=state.current, level=state.level))
         held = None
         if context.world.at(state.world).robot.holding:  # stopped in the middle: the next command must know
-            held = Held(plan=last.plan, object=last.target, category=last.target.category)
+            held = Held(plan=last.plan, object=last.target, category=last.target.category, motion=last.motion)
         return Update(held=held, **finish(state, claimed=False, note=why))
     level, offered = level_of(len(tries), context.switches), None
     if context.switches.diagnosis_used:
@@ -386,7 +386,13 @@ def reflect(state: State, runtime: Run) -> Update:
 def remember(state: State, runtime: Run) -> Update:
     """Success: M <- M + (category, strategy); the object is in the hand now."""
     context, last = runtime.context, state.attempts[-1]
-    held = Held(plan=last.plan, object=last.target, category=last.target.category, load=last.sensing.load_end)
+    held = Held(
+        plan=last.plan,
+        object=last.target,
+        category=last.target.category,
+        load=last.sensing.load_end,
+        motion=last.motion,
+    )
     memory = with_success(state) if context.switches.memory else state.memory
     if context.switches.memory:
         context.emit(

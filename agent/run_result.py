@@ -148,7 +148,9 @@ def _meant(goal: Goal, observer: Judge | None, motion: int | None) -> str | None
     """Scene id of the thing meant, matched by the observer after the fact."""
     if observer is None or goal.target_position is None:
         return None
-    return observer.meant(goal.target_category, goal.target_position, motion)
+    return observer.meant(
+        goal.target_category, goal.target_position, motion if goal.taken_in is None else goal.taken_in
+    )
 
 
 def _other(state: State, goal: Goal, observer: Judge, motion: int) -> str | None:

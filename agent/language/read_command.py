@@ -76,7 +76,7 @@ DESCENDING = re.compile(
 )
 FROM_RIGHT = re.compile(r"\bfrom (?:the )?right to (?:the )?left\b")
 NOT_DO = re.compile(
-    r"^(?:please )?(?:do not|never|you (?:must|should|shall|may) not|avoid|refrain from)\s+(?P<rest>.+)$"
+    r"^(?:please )?(?:do not|never|not|you (?:must|should|shall|may) not|avoid|refrain from)\s+(?P<rest>.+)$"
 )
 GRIP_OF = re.compile(r"^(?:the |its |a )?(?:handle|rim|body|stem|neck|edge|shaft) of (?:the )?")
 GRIP = re.compile(
@@ -113,7 +113,7 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         completed = _complete(tokens, pending)
         if completed is not None:
             return completed
-    return _commands(trim(without_asides(line).split()))
+    return _commands(trim(without_asides(" ".join(strip_opener(tokens))).split()))
 
 
 def trim(tokens: list[str]) -> list[str]:

@@ -123,9 +123,7 @@ WHICH = re.compile(
     r"^(?:which|what) (?P<noun>.+?) (?:is|are|looks|weighs|has|stands|lies) (?:the )?(?P<adjective>[a-z ]+)$"
 )
 COUNT_UP = re.compile(r"^count (?:all )?(?P<what>.+?)(?: on the table| please| for me)*$")
-COUNT = re.compile(
-    r"^how many (?P<what>.+?)(?: (?:are|do|can|is|have) (?:there|you|we)?.*| on the table.*| there.*| you see.*)?$"
-)
+COUNT = re.compile(r"^how many (?P<what>.+?)(?: (?:are|do|can|is|have)\b.*| on the table.*| there.*| you see.*)?$")
 UNDO = re.compile(
     r"^(?:please )?(?:undo(?: (?:that|it|this|the last (?:action|step|move|grasp|one)|please))*|revert(?: (?:that|it|this))?|"
     r"take (?:that|it) back|go back|(?:put|place|set|bring|give|return|take|lay) (?P<what>.+?) back"
