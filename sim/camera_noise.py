@@ -33,8 +33,8 @@ def noisy_depth(
     if scale <= 0.0:
         return depth.astype(np.float32)
     seen = depth > 0
-    measured = depth + np.float32(scale * PIXEL_SIGMA) * rng.standard_normal(depth.shape, dtype=np.float32)
-    measured += np.float32(scale * FIELD_SIGMA) * smooth_field(depth.shape, rng)
+    measured = depth + rng.standard_normal(depth.shape, dtype=np.float32) * np.float32(scale * PIXEL_SIGMA)
+    measured += smooth_field(depth.shape, rng) * np.float32(scale * FIELD_SIGMA)
     chance = np.zeros(depth.shape, np.float32)
     chance[_edges(depth)] = min(1.0, scale * EDGE_DROP)
     chance[through] = np.maximum(chance[through], min(1.0, scale * CLEAR_DROP))
@@ -46,7 +46,8 @@ def noisy_depth(
 def noisy_colour(rgb: NDArray[np.float32], rng: np.random.Generator, scale: float) -> NDArray[np.uint8]:
     """Colour (H, W, 3) as bytes, from [0, 1] with mild noise."""
     if scale > 0.0:
-        rgb = rgb + rng.standard_normal(rgb.shape, dtype=np.float32) * np.float32(scale * COLOUR_SIGMA)
+        noise = rng.standard_normal(rgb.shape, dtype=np.float32) * np.float32(scale * COLOUR_SIGMA)
+        return np.clip((rgb + noise) * 255.0 + 0.5, 0, 255).astype(np.uint8)
     return np.clip(rgb * 255.0 + 0.5, 0, 255).astype(np.uint8)
 
 

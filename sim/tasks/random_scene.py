@@ -13,13 +13,14 @@ from kb.errors import BadInputError
 from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.cameras import draw_cameras
 from sim.catalogue import MODELS, damage_threshold
-from sim.draw_scene import REACH, RESTING, SPAWN_LOWER, SPAWN_UPPER, TABLE_LOWER, TABLE_UPPER, beside, lit
+from sim.draw_scene import lit
 from sim.footprint import gap, outline
 from sim.objects.colours import anything
 from sim.objects.form import Colour, quaternion_about
 from sim.objects.strange import FLAT_TOPPED, STRANGE
 from sim.particles import contained, fill
 from sim.placed import PlacedObject, PlacedScene
+from sim.placement import REACH, RESTING, SPAWN_LOWER, SPAWN_UPPER, TABLE_LOWER, TABLE_UPPER, beside
 from sim.settle import lay_down, settle
 
 Arrangement = Literal["separate", "touching", "stacked", "filled"]
