@@ -4,6 +4,9 @@ Everything that moves is a free body under gravity; nothing is welded, glued or 
 to materials, never to who grasps. Scenes that start in penetration are refused.
 """
 
+# MuJoCo ships no type stubs for its compiled functions.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Iterable

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,7 +12,7 @@ from kb.grasp import Grasp
 from sim.build_model import TIMESTEP
 from sim.controller import CLOSED, along, follow, hold, holding_command, part
 from sim.hand import approach_time
-from sim.motion import Obstacle, Transit, plan_direct, plan_transit
+from sim.motion import Obstacle, Transit, clearances, plan_direct, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
 from sim.place_motion import note_hang
 from sim.reach import Reach, Unreachable, reach_from, solve_reaches
@@ -24,6 +25,8 @@ Array = NDArray[np.float64]
 
 OPENING_FORCE = 20.0
 """Motor force while the hand opens or stands open [N]."""
+DEEPEST = 0.02
+"""Overlap of the pre-grasp with a perceived box that is still tried [m]: boxes are larger than round or stemmed things."""
 OPTIONS, DETOURS = 5, 3
 """Arm configurations compared by their direct way, and by detours if no direct way is free."""
 REST_STEPS = 30
@@ -50,26 +53,47 @@ def plan(
     """
     motion.note(phase="plan")
     start = motion.commanded
-    options: tuple[Reach, ...] | Unreachable = Unreachable(0.0, "grasp")
+    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin), target_zone(grasp)]
     if joints is not None and len(joints) == 7:
         wanted = reach_from(grasp, np.asarray(joints), lift=lift)
-        options = (wanted,) if isinstance(wanted, Reach) else wanted
-    if isinstance(options, Unreachable):
-        options = solve_reaches(grasp, start, lift=lift, options=OPTIONS)
+        chosen = _quickest(start, (wanted,), boxes, grasp) if isinstance(wanted, Reach) else None
+        if chosen is not None:
+            motion.note(ik_residual=chosen[0].residual)
+            return chosen
+    options = solve_reaches(grasp, start, lift=lift, options=OPTIONS)
     if isinstance(options, Unreachable):
         motion.note(reachable=False, ik_residual=options.residual)
         raise HaltedError("unreachable")
-    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin), target_zone(grasp)]
+    chosen = _quickest(start, options, boxes, grasp)
+    if chosen is None:
+        raise HaltedError("path")
+    motion.note(ik_residual=chosen[0].residual)
+    return chosen
+
+
+def _quickest(
+    start: Array, options: Sequence[Reach], boxes: Sequence[Obstacle], grasp: Grasp
+) -> tuple[Reach, Transit] | None:
+    """The option with the quickest free way: a direct one if any is free, else a detour.
+
+    Options whose pre-grasp lies deep inside something else than the target are left out.
+    """
+    others = [box for box in boxes if not _around(box, grasp)]
+    options = [reach for reach in options if clearances(reach.pregrasp[None], others).min() > -DEEPEST]
     direct = [(reach, plan_direct(start, reach.pregrasp, boxes)) for reach in options]
     free = [(reach, transit) for reach, transit in direct if transit is not None]
     if not free:
-        detours = [(reach, plan_transit(start, reach.pregrasp, boxes)) for reach in options[:DETOURS]]
+        detours = ((reach, plan_transit(start, reach.pregrasp, boxes)) for reach in options[:DETOURS])
         free = [(reach, transit) for reach, transit in detours if transit is not None]
-    if not free:
-        raise HaltedError("path")
-    reach, transit = min(free, key=lambda pair: pair[1].duration)
-    motion.note(ik_residual=reach.residual)
-    return reach, transit
+    return min(free, key=lambda pair: pair[1].duration) if free else None
+
+
+def _around(box: Obstacle, grasp: Grasp) -> bool:
+    """Whether the grasp's point lies within a box, give or take 2 cm: then the box is the target's."""
+    offset = np.asarray(grasp.position) - np.asarray(box.centre)
+    cos, sin = math.cos(box.yaw), math.sin(box.yaw)
+    local = (cos * offset[0] + sin * offset[1], cos * offset[1] - sin * offset[0], offset[2])
+    return all(abs(value) <= half + 0.02 for value, half in zip(local, box.half, strict=True))
 
 
 def target_zone(grasp: Grasp) -> Obstacle:

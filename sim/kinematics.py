@@ -113,7 +113,7 @@ def within_limits(joints: Array, margin: float = LIMIT_MARGIN) -> NDArray[np.boo
     """Which configurations (..., 7) are finite and keep `margin` [rad] from every limit, shape (...)."""
     with np.errstate(invalid="ignore"):
         inside = (joints > Q_MIN + margin) & (joints < Q_MAX - margin)
-    return inside.all(axis=-1)
+    return np.asarray(inside.all(axis=-1))
 
 
 def inverse(pose: Array, q7: float, near: Array) -> Array:

@@ -1,5 +1,8 @@
 """The physical world: one compiled scene, run step by step, recorded, snapshot and restored exactly."""
 
+# MuJoCo ships no type stubs for its compiled functions.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import json

@@ -1,5 +1,8 @@
 """Where in MuJoCo's arrays each named thing of a scene lies."""
 
+# MuJoCo ships no type stubs for its compiled functions.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
