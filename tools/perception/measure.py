@@ -111,13 +111,13 @@ class Measured:
     """Area seen from above over the hull's area."""
 
 
-def measure(blob: Blob, support: float = 0.0, load: Array | None = None) -> Measured:
+def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> Measured:
     """Measures a blob.
 
     Args:
         blob: Its points.
         support: Height at which it stands [m].
-        load: Axis (2,) [m] of what stands on it, if anything does.
+        load: What stands on it, if anything does.
     """
     xyz = blob.xyz
     above = xyz[blob.from_top] if blob.from_top.sum() >= 40 else xyz
@@ -125,7 +125,8 @@ def measure(blob: Blob, support: float = 0.0, load: Array | None = None) -> Meas
     if load is not None:
         top = covered_top(blob)
         if blob.from_top.mean() < HIDDEN:  # what hides it from above stands on its middle
-            above = np.concatenate([xyz, np.column_stack([2 * load - xyz[:, :2], xyz[:, 2]])])
+            top = load.base if top < load.base < top + 0.035 else top
+            above = np.concatenate([xyz, np.column_stack([2 * load.centre - xyz[:, :2], xyz[:, 2]])])
     high = above[above[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
     view = outline(high if len(high) >= 20 else above)
     ball = fit_sphere(xyz if len(xyz) < 3000 else xyz[:: len(xyz) // 1500])
@@ -183,7 +184,9 @@ def top_height(z: Array) -> float:
 def covered_top(blob: Blob) -> float:
     """Height of the top [m] of a blob that carries something, whose lowest points may have strayed into it."""
     high = blob.xyz[blob.from_top, 2]
-    return float(np.quantile(high, 0.75)) if len(high) >= 25 else float(np.quantile(blob.xyz[:, 2], 0.96))
+    if len(high) < max(25, HIDDEN * len(blob.xyz)):
+        return float(np.quantile(blob.xyz[:, 2], 0.96))
+    return float(np.quantile(high, 0.75))
 
 
 def _crowned(above: Array, view: Outline, top: float) -> tuple[Array, float]:

@@ -19,7 +19,7 @@ from tools.perception.classify import Judgement, classify
 from tools.perception.contents import is_inside
 from tools.perception.features import colour_features, features
 from tools.perception.look import Look
-from tools.perception.measure import CLEAR_LOSS, Blob, Measured, covered_top, measure
+from tools.perception.measure import CLEAR_LOSS, HIDDEN, Blob, Measured, covered_top, measure
 from tools.perception.segment import BRIGHTNESS_RADIUS, CHROMA_RADIUS, chromaticity
 
 Array = NDArray[np.float64]
@@ -50,6 +50,12 @@ CRUMB = 0.10
 
 GAP = 0.045
 """How far the top of what is underneath may be hidden below a hanging thing [m]."""
+
+STANDING = 0.014
+"""A piece whose lowest points are below this stands on the table [m]."""
+
+HIDDEN_TOP = 0.030
+"""How far the top of a base that is hidden from above may be above what is seen of it [m]."""
 
 SPLINTER = 0.06
 """Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
@@ -88,6 +94,8 @@ class Merger:
         self._nouns = nouns
         self._hung: set[tuple[int, int]] = set()
         """Pairs of pieces of which one hangs above the other."""
+        self._same: set[tuple[int, int]] = set()
+        """Pairs of pieces of one colour that something covers between."""
         self._cache: dict[tuple[int, ...], Candidate] = {}
         self._blobs: dict[tuple[int, ...], Blob] = {}
 
@@ -127,7 +135,36 @@ class Merger:
                     self._hung |= {(min(mine, other), max(mine, other)) for other in groups[best[1]]}
                 groups[best[1]] = sorted(groups[best[1]] + groups[i])
                 groups[i] = []
-        return [group for group in groups if group]
+        return self._joined_under_covers([group for group in groups if group])
+
+    def _joined_under_covers(self, groups: list[list[int]]) -> list[list[int]]:
+        """Joins clusters of which low pieces of one colour come out from under the same higher piece."""
+        owner = {piece: k for k, group in enumerate(groups) for piece in group}
+        spans = {piece: np.quantile(self._blob((piece,)).xyz, [0.02, 0.98], axis=0) for piece in owner}
+        low = [piece for piece in owner if spans[piece][0, 2] < 2 * STANDING]
+        for a in low:
+            for b in low:
+                if a >= b or (a, b) in self._look.pieces.links or not self._same_hue(a, b):
+                    continue
+                top = max(spans[a][1, 2], spans[b][1, 2])
+                for cover in owner:
+                    if cover in (a, b) or spans[cover][0, 2] < top - 0.008:
+                        continue
+                    gaps = [
+                        np.max(
+                            np.maximum(spans[cover][0, :2], spans[x][0, :2])
+                            - np.minimum(spans[cover][1, :2], spans[x][1, :2])
+                        )
+                        for x in (a, b)
+                    ]
+                    if max(gaps) < BESIDE:
+                        self._same.add((a, b))
+                        for x in (a, b):
+                            old, new = owner[x], owner[cover]
+                            for piece in [piece for piece in owner if owner[piece] == old]:
+                                owner[piece] = new
+        numbers = sorted(set(owner.values()))
+        return [sorted(piece for piece in owner if owner[piece] == number) for number in numbers]
 
     def _like_neighbour(self, i: int, groups: list[list[int]]) -> tuple[float, int] | None:
         """The group of the same colour right beside a hanging one: the step down between them is hidden from the front."""
@@ -178,7 +215,7 @@ class Merger:
             if one.under in group and one.known and two.known:
                 return -1.0
         pairs = {(min(a, b), max(a, b)) for a in groups[i] for b in groups[j]}
-        if not (pairs & self._look.pieces.links.keys() or pairs & self._hung):
+        if not (pairs & self._look.pieces.links.keys() or pairs & self._hung or pairs & self._same):
             return -1.0
         first, second = self._candidate(groups[i], groups), self._candidate(groups[j], groups)
         rest = [group for k, group in enumerate(groups) if k not in (i, j)]
@@ -201,14 +238,19 @@ class Merger:
         """Two pieces of these groups that touch have the same colour."""
         for a in one:
             for b in two:
-                if (min(a, b), max(a, b)) in self._look.pieces.links:
-                    difference = self._hue(a) - self._hue(b)
-                    if np.hypot(*difference[:2]) < CHROMA_RADIUS / 2 and abs(difference[2]) < BRIGHTNESS_RADIUS / 2:
-                        return True
+                pair = (min(a, b), max(a, b))
+                if pair in self._same or (pair in self._look.pieces.links and self._same_hue(a, b)):
+                    return True
         return False
 
+    def _same_hue(self, a: int, b: int) -> bool:
+        one, two = self._hue(a), self._hue(b)
+        reach = max(0.026, 0.012 / float(np.exp(min(one[2], two[2]))))  # dark colours are noisy
+        near = np.hypot(*(one - two)[:2]) < reach and abs(one[2] - two[2]) < BRIGHTNESS_RADIUS / 2
+        return bool(near) and max(self._blob((piece,)).lost() for piece in (a, b)) < CLEAR_LOSS
+
     def _hue(self, piece: int) -> Array:
-        return chromaticity(self._blob((piece,)).rgb.mean(0)[None])[0]
+        return chromaticity(np.median(self._blob((piece,)).rgb, axis=0)[None])[0]
 
     def _blob(self, group: tuple[int, ...]) -> Blob:
         if group not in self._blobs:
@@ -227,7 +269,7 @@ class Merger:
             if contents:
                 inner = self._blob(contents)
                 blob = replace(blob, low=np.concatenate([blob.low, inner.xyz[inner.from_top]]))
-            load = None if carried is None else self._candidate(carried, [group]).measured.centre
+            load = None if carried is None else self._candidate(carried, [group]).measured
             measured = measure(blob, support, load)
             judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
@@ -249,7 +291,7 @@ class Merger:
         """The piece under a group and the height at which the group stands [m]; (None, 0) on the table."""
         blob = self._blob(group)
         lowest = float(np.quantile(blob.xyz[:, 2], 0.02))
-        if lowest < 0.014:
+        if lowest < STANDING:
             return None, 0.0
         span = np.quantile(blob.xyz, [0.02, 0.98], axis=0)
         best: tuple[int | None, float] = (None, 0.0)
@@ -258,7 +300,10 @@ class Merger:
                 continue
             low, high = np.quantile(self._blob(other).xyz, [0.01, 0.99], axis=0)
             beneath = np.all((low[:2] < span[1, :2] - 0.006) & (high[:2] > span[0, :2] + 0.006))
-            top = covered_top(self._blob(other))
+            below = self._blob(other)
+            top = covered_top(below)
+            if below.from_top.mean() < HIDDEN and top < lowest < top + HIDDEN_TOP:
+                top = lowest - 0.001  # its own lowest points tell better where it stands
             if beneath and top < lowest + 0.010 and top > best[1]:
                 best = (other[0], top)
         return best
@@ -280,7 +325,7 @@ class Merger:
 def _swallows(big: Candidate, small: Candidate) -> bool:
     """The small one's points are a few of the big one's own that did not link up with the rest."""
     xyz, holder = small.measured.blob.xyz, big.measured
-    if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known:
+    if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known or big.under in small.measured.blob.pieces:
         return False
     if holder.is_round or holder.is_ball:
         inside = np.hypot(*(xyz[:, :2] - holder.centre).T) < holder.radius + 0.004
