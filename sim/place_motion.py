@@ -132,14 +132,19 @@ def carry_above(motion: MotionRun, pose: Array, obstacles: Sequence[Obstacle], s
 def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
     """Lowers along a straight path (K, 7) of `length` [m], fast first and creeping at the end, until contact is felt."""
     cut = max(0.0, 1.0 - (CREEP + OVERSHOOT) / length)
+    creep = (1.0 - cut) * length / max(CREEP_SPEED * speed, LEAST_CREEP)
+    stages = [along_evenly(part(path, cut, 1.0), creep)]
     if cut > 0.05:
-        upper = along(part(path, 0.0, cut), approach_time(length * cut, speed))
-        motion.run(follow(upper, motion.grip, motion.commanded), "set_down", touch_check(motion))
-    slow = along_evenly(part(path, cut, 1.0), (1.0 - cut) * length / max(CREEP_SPEED * speed, LEAST_CREEP))
-    felt = motion.run(follow(slow, motion.grip, motion.commanded), "set_down", touch_check(motion))
+        stages.insert(0, along(part(path, 0.0, cut), approach_time(length * cut, speed)))
+    felt = 0.0
+    for joints in stages:
+        record = motion.run(follow(joints, motion.grip, motion.commanded), "set_down", touch_check(motion))
+        force = motion.wrist.force_w(record.sensordata)
+        felt = max(felt, largest_force(force - force[:1]))
+        if record.ended_by == "contact":
+            break
     motion.halt("set_down")
-    change = motion.wrist.force_w(felt.sensordata)
-    motion.note(approach_force=largest_force(change - change[:1]))
+    motion.note(approach_force=felt)
 
 
 def touch_check(motion: MotionRun) -> Check:
