@@ -107,7 +107,8 @@ def summarise(args: GatherArgs, outcomes: list[Outcome], embedder: str) -> Exper
     return Experience(
         id=args.id,
         category=args.category,
-        affordance=outcomes[0].affordance,
+        # The descriptor says what the object affords where it was held.
+        affordance=outcomes[0].affordance.model_copy(update={"region": args.recipe.region}),
         size=(_rounded(sizes[0]), _rounded(sizes[1]), _rounded(sizes[2])),
         mass=_rounded(np.mean(weighed)) if weighed else 0.0,
         strategy=strategy,
