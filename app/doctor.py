@@ -48,10 +48,11 @@ def run_checks(*, json_output: bool) -> int:
         Check("reach", REINSTALL, checks.reach),
         Check("cameras", REINSTALL, checks.cameras),
         Check("hold", REINSTALL, checks.hold),
+        Check("grip", REINSTALL, checks.grip),
         Check("pictures", "apt install libosmesa6, or libegl1 libegl-mesa0 libgl1-mesa-dri", checks.pictures),
         Check("video", "apt install ffmpeg", checks.video, optional=True),
         Check("knowledge base", "restore kb/data/experiences.jsonl, or ragvlm kb build", checks.knowledge_base),
-        Check("state folder", "make it writable, or set XDG_STATE_HOME", checks.state_folder),
+        Check("state folder", "set RAGVLM_HOME to a folder of yours", checks.state_folder),
         Check("models", "pip install 'agentic-rag-vlm[models]'", checks.models, optional=True),
     )
     console = make_console()

@@ -7,12 +7,11 @@ import shutil
 import sys
 from functools import cache
 from importlib import metadata, util
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.doctor import Finding
+from app.doctor import REINSTALL, Finding
 
 if TYPE_CHECKING:
     from sim.world import World
@@ -21,6 +20,8 @@ FK_TOLERANCE = 1e-6
 """Model and analytic forward kinematics agree to this [m]."""
 DRIFT = 0.002
 """The hand may sag this much while it holds still [m] (calibration gate a)."""
+SLIP, CREEP = 0.005, 1e-4
+"""A firmly held cube may slip this much in lift and shake [m], and creep this fast [m/s] (30 s within gate a)."""
 
 
 def python() -> Finding:
@@ -87,6 +88,41 @@ def hold() -> Finding:
     return Finding(drift < DRIFT, f"the hand sags {drift * 1e3:.3f} mm in a second")
 
 
+def grip() -> Finding:
+    """A cube is gripped, lifted, shaken and held: it must not slip out of the hand, nor creep in it."""
+    from kb.grasp import Grasp
+    from sim.draw_scene import draw_scene
+    from sim.robot import Robot
+    from sim.scene_file import load_scene
+    from sim.world import World
+
+    world = World(draw_scene(load_scene("single_cube"), 0))
+    cube = next(thing for thing in world.placed.objects if not thing.fixed)
+    body = world.model.body(cube.id).id
+
+    def offset() -> np.ndarray:
+        return world.data.xpos[body] - world.read("robot/tcp_position")
+
+    x, y, z = cube.position
+    yaw = 2 * float(np.arctan2(cube.quaternion[3], cube.quaternion[0]))
+    grasp = Grasp(
+        position=(x, y, z + cube.size[2] / 2), approach=(0.0, 0.0, -1.0), yaw=yaw, aperture=0.08, force=15.0,
+        type="power",
+    )  # fmt: skip
+    sensed = Robot(world).grasp(grasp)
+    held = offset()
+    world.settle(5.0)
+    creep = float(np.linalg.norm(offset() - held)) / 5.0
+    slip = abs(float(held[2]) - (z - grasp.position[2]))
+    good = sensed.load_end > 0.5 * cube.mass and slip < SLIP and creep < CREEP
+    return Finding(
+        good,
+        f"a cube of {cube.mass * 1e3:.0f} g is held (felt: {sensed.load_end * 1e3:.0f} g); slip {slip * 1e3:.1f} mm "
+        f"through lift and shake, creep {creep * 1e3:.3f} mm/s",
+        "" if good else REINSTALL,
+    )
+
+
 def pictures() -> Finding:
     """How pictures for people are painted here."""
     from sim.picture import DRAFT, PictureMaker
@@ -125,12 +161,14 @@ def knowledge_base() -> Finding:
 
 
 def state_folder() -> Finding:
-    """Conversations can be stored."""
-    folder = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
+    """Conversations (`--thread`) can be kept."""
+    from agent.checkpoint import default_threads
+
+    folder = default_threads().absolute().parent
     nearest = next(parent for parent in (folder, *folder.parents) if parent.exists())
-    if os.access(nearest, os.W_OK):
+    if nearest.is_dir() and os.access(nearest, os.W_OK | os.X_OK):
         return Finding(True, str(folder))
-    return Finding(False, f"{nearest} is read-only", "make it writable, or set XDG_STATE_HOME to a folder of yours")
+    return Finding(False, f"{nearest} cannot be written", "set RAGVLM_HOME to a folder of yours")
 
 
 def models() -> Finding:

@@ -13,7 +13,8 @@ def print_table(console: Console, header: Sequence[str], rows: Sequence[Sequence
     """Prints rows under a header. In a pipe: one line a row, tabs between, the header first."""
     if not console.is_terminal:
         for row in (header, *rows):
-            console.out("\t".join(row), highlight=False)
+            # Written past rich, which turns tabs into spaces.
+            console.file.write("\t".join(row) + "\n")
         return
     from rich import box
     from rich.table import Table

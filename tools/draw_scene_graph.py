@@ -81,7 +81,9 @@ def draw_scene_graph(
     shown = distinct_edges(graph) if graph is not None else ()
     for edge in shown:
         if edge.relation in ARROWS and edge.source in centres and edge.target in centres:
-            _arrow(draw, centres[edge.source], centres[edge.target], edge.relation.lower().replace("_", " "))
+            gap = "" if edge.gap is None else f" {edge.gap * 1000:.0f} mm"
+            words = edge.relation.lower().replace("_", " ") + gap
+            _arrow(draw, centres[edge.source], centres[edge.target], words)
     for number, thing in enumerate(percept.objects):
         if thing.id in centres:
             _mark(draw, centres[thing.id], thing.id.rsplit("_", 1)[-1], PALETTE[number % len(PALETTE)])
