@@ -9,23 +9,25 @@ import numpy as np
 
 from sim.cameras import draw_cameras
 from sim.catalogue import MODELS
-from sim.draw_scene import SPAWN_LOWER, SPAWN_UPPER, lit
+from sim.draw_scene import lit
 from sim.objects.colours import anything
 from sim.objects.form import quaternion_about, quaternion_product
 from sim.placed import PlacedObject, PlacedScene
 from sim.settle import lay_down
 
+LOWER, UPPER = (0.40, -0.25), (0.65, 0.25)
+"""Part of the table where things are put (x, y) [m]."""
 CLEAR = 3e-4
 """Free distance of a leaning thing from what it leans on [m]."""
-LEANERS = ("smartphone", "pen")
-"""Things of even thickness: they touch where their underside's line says."""
-CONTENTS = ("toy_block", "key", "tennis_ball", "wood_cube")
+CONTENTS = {"apple": (0.95, 1.0), "toy_block": (1.5, 1.7), "wood_cube": (1.2, 1.35)}
+"""Things that lie in a bowl and stick out of it, with the range of their scale. (What lies wholly inside is perceived as
+the bowl's filling, not as an object.)"""
 
 
 def leaning_scene(rng: np.random.Generator) -> PlacedScene:
-    """A phone or pen that leans at 45-70 degrees against a box, its foot on the table."""
+    """A phone that leans at 45-70 degrees against a box, its foot on the table."""
     support = _at(MODELS["box"].draw(rng, id="support", colour=anything(rng)), rng, margin=0.08)
-    leaner = MODELS[str(rng.choice(LEANERS))].draw(rng, id="leaner", colour=anything(rng))
+    leaner = MODELS["smartphone"].draw(rng, id="leaner", colour=anything(rng))
     tilt = float(rng.uniform(math.radians(45.0), math.radians(70.0)))
     height = support.size[2]
     length = leaner.size[0]
@@ -44,9 +46,11 @@ def leaning_scene(rng: np.random.Generator) -> PlacedScene:
 
 
 def contained_scene(rng: np.random.Generator) -> PlacedScene:
-    """A small thing in a bowl, laid down straight until it touches."""
+    """A thing in a bowl that sticks out of it, laid down straight until it touches."""
     bowl = _at(MODELS["ceramic_bowl"].draw(rng, id="bowl", colour=anything(rng)), rng)
-    small = MODELS[str(rng.choice(CONTENTS))].draw(rng, id="content", colour=anything(rng))
+    name = str(rng.choice(list(CONTENTS)))
+    scale = float(rng.uniform(*CONTENTS[name]))
+    small = MODELS[name].draw(rng, id="content", colour=anything(rng), size_scale=scale)
     turned = replace(
         small,
         position=(*bowl.position[:2], bowl.size[2] + 0.10),
@@ -57,7 +61,7 @@ def contained_scene(rng: np.random.Generator) -> PlacedScene:
 
 
 def _at(thing: PlacedObject, rng: np.random.Generator, margin: float = 0.0) -> PlacedObject:
-    x, y = rng.uniform(np.asarray(SPAWN_LOWER) + margin, np.asarray(SPAWN_UPPER) - margin)
+    x, y = rng.uniform(np.asarray(LOWER) + margin, np.asarray(UPPER) - margin)
     return replace(
         thing,
         position=(float(x), float(y), 0.0),

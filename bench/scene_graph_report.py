@@ -55,6 +55,8 @@ class Comparison:
     seed: int
     scene: str
     edges: Counter[tuple[str, str]] = field(default_factory=Counter)
+    found_edges: Counter[tuple[str, str]] = field(default_factory=Counter)
+    """The same between objects that were found: what is left when perception missed and made up nothing."""
     constraints: Counter[tuple[str, str]] = field(default_factory=Counter)
     mistakes: list[str] = field(default_factory=list)
 
@@ -115,11 +117,14 @@ def compare(seed: int, name: str, percept: Percept, things: list[TrueThing]) -> 
     names = match(percept, things)
     seen = {(names[e.source], e.relation, names[e.target]) for e in graph.edges}
     real = {(e.source, e.relation, e.target) for e in truth.edges}
-    _count(result.edges, {(r, (a, b)) for a, r, b in seen}, {(r, (a, b)) for a, r, b in real}, result)
+    _count(result.edges, {(r, (a, b)) for a, r, b in seen}, {(r, (a, b)) for a, r, b in real}, result.mistakes, result)
+    found = set(names.values()) & {thing.id for thing in things}
+    both = ({(r, (a, b)) for a, r, b in edges if {a, b} <= found} for edges in (seen, real))
+    _count(result.found_edges, *both, [], result)
     for thing in things:
         perceived = next((obj_id for obj_id, true in names.items() if true == thing.id), None)
         wanted = _constraints(truth, thing.id, {t.id: t.id for t in things})
-        found = set() if perceived is None else _constraints(graph, perceived, names)
+        inferred = set() if perceived is None else _constraints(graph, perceived, names)
         _count(
             result.constraints, {(k, (thing.id, t)) for k, t in found}, {(k, (thing.id, t)) for k, t in wanted}, result
         )
@@ -150,24 +155,28 @@ def _count(
     counts: Counter[tuple[str, str]],
     seen: set[tuple[str, tuple[str, str]]],
     real: set[tuple[str, tuple[str, str]]],
+    mistakes: list[str],
     result: Comparison,
 ) -> None:
+    """Adds hits, false and missed facts to the counts, and one line per mistake."""
     for outcome, facts in (("hit", seen & real), ("false", seen - real), ("missed", real - seen)):
         for name, pair in sorted(facts):
             counts[name, outcome] += 1
             if outcome != "hit":
-                result.mistakes.append(f"{result.seed} {result.scene}: {outcome} {pair[0]} {name} {pair[1]}")
+                mistakes.append(f"{result.seed} {result.scene}: {outcome} {pair[0]} {name} {pair[1]}")
 
 
 def summarise(results: list[Comparison]) -> dict[str, Any]:
     """Counts, precision and recall per relation, per constraint, and over all."""
     edges: Counter[tuple[str, str]] = sum((r.edges for r in results), Counter())
+    found: Counter[tuple[str, str]] = sum((r.found_edges for r in results), Counter())
     constraints: Counter[tuple[str, str]] = sum((r.constraints for r in results), Counter())
     kinds = ("support", "occlusion", "content", "collision")
     return {
         "scenes": len(results),
         "relations": {name: _row(edges, [name]) for name in RELATIONS},
         "all_edges": _row(edges, list(RELATIONS)),
+        "edges_between_found_objects": _row(found, list(RELATIONS)),
         "constraints": {name: _row(constraints, [name]) for name in kinds},
         "all_constraints": _row(constraints, list(kinds)),
     }
@@ -187,7 +196,8 @@ def markdown(summary: dict[str, Any], first: int, perception: str) -> str:
     last = first + summary["scenes"] - 1
     lines = [f"{summary['scenes']} scenes (seeds {first}-{last}), {perception} perception, target {TARGET:.2f}.", ""]
     lines += ["| relation or constraint | true | precision | recall |", "|---|---|---|---|"]
-    rows = {**summary["relations"], "**all edges**": summary["all_edges"], **summary["constraints"]}
+    rows = {**summary["relations"], "**all edges**": summary["all_edges"]}
+    rows |= {"edges between found objects": summary["edges_between_found_objects"], **summary["constraints"]}
     rows["**all constraints**"] = summary["all_constraints"]
     lines += [f"| {name} | {r['true']} | {r['precision']:.3f} | {r['recall']:.3f} |" for name, r in rows.items()]
     return "\n".join(lines) + "\n"

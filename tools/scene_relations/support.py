@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from kb.percept import PerceivedObject
 from kb.priors import prior
+from kb.vocabulary import UNKNOWN_CATEGORY
 from tools.scene_relations.solid import Solid, largest
 from tools.scene_relations.surface_gap import overlap_share
 
@@ -13,6 +14,8 @@ OVERLAP = 0.25
 """Least share of either footprint over the other for one to be above the other."""
 INSIDE_OVERLAP = 0.5
 """Least share of the inner footprint over the container's."""
+CERTAIN_OVERLAP = 0.9
+"""Share over a thing of unknown category from which it counts as hollow."""
 INSIDE_DEPTH = 0.010
 """Depth below the container's top edge that makes a thing be inside [m]."""
 
@@ -57,10 +60,15 @@ def is_hollow(obj: PerceivedObject) -> bool:
 
 
 def is_inside(inner: Solid, outer: Solid, outer_object: PerceivedObject) -> bool:
-    """INSIDE: the outer one is hollow, the slimmer inner one lies over it, begins below its edge and not under it."""
+    """INSIDE: the slimmer inner one lies over a hollow outer one, begins below its edge and not under it.
+
+    Two things cannot be in one place: an unknown thing that holds nearly the whole footprint of another one must be
+    hollow, whatever it looks like.
+    """
+    share = overlap_share(inner, outer)
+    must_be_hollow = outer_object.category == UNKNOWN_CATEGORY and share >= CERTAIN_OVERLAP
     return (
-        is_hollow(outer_object)
+        (must_be_hollow or (is_hollow(outer_object) and share >= INSIDE_OVERLAP))
         and breadth(inner) < breadth(outer)
         and outer.low - REST_TOLERANCE <= inner.low <= outer.high - INSIDE_DEPTH
-        and overlap_share(inner, outer) >= INSIDE_OVERLAP
     )
