@@ -14,8 +14,14 @@ from tools.perception.table_plane import TABLE_LOWER, TABLE_UPPER, fit_edges, fi
 Array = NDArray[np.float64]
 Image = NDArray[np.float32]
 
-FIELD_HALF = 18
-"""Half-window of the running mean of the table's residual [px]: the error is alike over some tens of pixels."""
+BLOCK = 4
+"""The smooth depth error is estimated on blocks of this many pixels squared."""
+
+FIELD_HALF = 4
+"""Half-window of the running mean of the table's residual [blocks]: the error is alike over some tens of pixels."""
+
+SURROUNDINGS, TALLEST, BORDER = 0.04, 0.33, 14
+"""Depth below and height above the table [m], and border [px], of the part of the picture that is looked at."""
 
 TABLE_BAND = 0.005
 """Residuals up to this belong to the table [m]: 2 mm per pixel, halved by the median, and a 1.5-mm smooth part."""
@@ -34,8 +40,10 @@ class CalibratedView:
     """Corrected depth without the median [m] (H, W): thin things survive in it."""
     points: Image
     """World points [m] (H, W, 3); meaningless where unmeasured."""
-    rays: Image
-    """Rays in camera axes, z = 1 (H, W, 3)."""
+    whole: tuple[int, int]
+    """Height and width of the whole picture [px], of which this is the part around the table."""
+    corner: tuple[int, int]
+    """Row and column of this part's first pixel in the whole picture."""
     focal: float
     """Focal length [px]."""
     pose: Array
@@ -50,23 +58,49 @@ class CalibratedView:
         """Pixel column, row (not rounded) and depth [m] of world points (N, 3)."""
         camera = (points - self.pose[:3, 3]) @ self.pose[:3, :3]
         z = np.maximum(camera[:, 2], 1e-6)
-        height, width = self.depth.shape
-        u = camera[:, 0] / z * self.focal + (width - 1) / 2
-        v = camera[:, 1] / z * self.focal + (height - 1) / 2
+        u = camera[:, 0] / z * self.focal + (self.whole[1] - 1) / 2 - self.corner[1]
+        v = camera[:, 1] / z * self.focal + (self.whole[0] - 1) / 2 - self.corner[0]
         return u, v, camera[:, 2]
 
 
 def calibrate_view(view: RgbdView) -> CalibratedView:
     """Filters the depth and corrects pose and smooth depth error by the table."""
-    rays = pixel_rays(*view.depth.shape, view.focal)
     told = np.asarray(view.transform_camera_to_world, np.float64)
-    pose = fit_edges(view.depth, rays, fit_plane(view.depth, rays, told))
-    filtered = median_depth(view.depth)
+    all_rays = pixel_rays(*view.depth.shape, view.focal)
+    window = _table_window(all_rays, told)
+    rays, measured = all_rays[window], np.ascontiguousarray(view.depth[window])
+    pose = fit_edges(measured, rays, fit_plane(measured, rays, told))
+    filtered = median_depth(measured)
     error = table_error(filtered, rays, pose)
     depth = np.where(filtered > 0, filtered - error, np.float32(0.0))
-    raw = np.where(view.depth > 0, view.depth - error, np.float32(0.0))
+    raw = np.where(measured > 0, measured - error, np.float32(0.0))
     points = (rays * depth[..., None]) @ pose[:3, :3].T.astype(np.float32) + pose[:3, 3].astype(np.float32)
-    return CalibratedView(view.name, view.rgb, depth, raw, points, rays, view.focal, pose)
+    corner = (int(window[0].start), int(window[1].start))
+    return CalibratedView(view.name, view.rgb[window], depth, raw, points, view.depth.shape, corner, view.focal, pose)
+
+
+def _table_window(rays: Image, pose: Array) -> tuple[slice, slice]:
+    """Rows and columns of the picture in which the table, what stands on it and its surroundings are seen."""
+    height, width = rays.shape[:2]
+    focal = 1.0 / float(rays[0, 1, 0] - rays[0, 0, 0]) if width > 1 else 1.0
+    corners = np.array(
+        [
+            [x, y, z]
+            for x in (TABLE_LOWER[0], TABLE_UPPER[0])
+            for y in (TABLE_LOWER[1], TABLE_UPPER[1])
+            for z in (-SURROUNDINGS, TALLEST)
+        ]
+    )
+    camera = (corners - pose[:3, 3]) @ pose[:3, :3]
+    if (camera[:, 2] < 0.05).any():
+        return slice(0, height), slice(0, width)
+    u = camera[:, 0] / camera[:, 2] * focal + (width - 1) / 2
+    v = camera[:, 1] / camera[:, 2] * focal + (height - 1) / 2
+    rows = slice(max(int(v.min()) - BORDER, 0), min(int(v.max()) + BORDER, height))
+    columns = slice(max(int(u.min()) - BORDER, 0), min(int(u.max()) + BORDER, width))
+    if rows.stop - rows.start < 8 or columns.stop - columns.start < 8:
+        return slice(0, height), slice(0, width)
+    return rows, columns
 
 
 def table_error(depth: Image, rays: Image, pose: Array) -> Image:
@@ -74,11 +108,21 @@ def table_error(depth: Image, rays: Image, pose: Array) -> Image:
     directions = rays @ pose[:3, :3].T.astype(np.float32)
     with np.errstate(divide="ignore"):
         ideal = np.float32(-pose[2, 3]) / directions[..., 2]
-    ground = directions[..., :2] * ideal[..., None] + pose[:2, 3].astype(np.float32)
-    inside = np.all((ground > TABLE_LOWER.astype(np.float32)) & (ground < TABLE_UPPER.astype(np.float32)), axis=-1)
+    x = directions[..., 0] * ideal + np.float32(pose[0, 3])
+    y = directions[..., 1] * ideal + np.float32(pose[1, 3])
     residual = np.where(depth > 0, depth - ideal, np.float32(1.0))
-    table = inside & (np.abs(residual) < TABLE_BAND)
-    weight = table.astype(np.float32)
-    total, count = box_sum(np.where(table, residual, 0), FIELD_HALF), box_sum(weight, FIELD_HALF)
+    table = (np.abs(residual) < TABLE_BAND) & (x > TABLE_LOWER[0]) & (x < TABLE_UPPER[0])
+    table &= (y > TABLE_LOWER[1]) & (y < TABLE_UPPER[1])
+    total = box_sum(_blocks(np.where(table, residual, np.float32(0.0))), FIELD_HALF)
+    count = box_sum(_blocks(table.astype(np.float32)), FIELD_HALF)
     # A mean over few pixels is shrunk: 60 pixels of 1-mm noise weigh like the prior knowledge that the error is small.
-    return (total / (count + 60.0)).astype(np.float32)
+    coarse = (total / (count + 60.0)).astype(np.float32)
+    return np.repeat(np.repeat(coarse, BLOCK, axis=0), BLOCK, axis=1)[: depth.shape[0], : depth.shape[1]]
+
+
+def _blocks(image: Image) -> Image:
+    """Sums over blocks of BLOCK squared pixels."""
+    height, width = -(-image.shape[0] // BLOCK) * BLOCK, -(-image.shape[1] // BLOCK) * BLOCK
+    padded = np.zeros((height, width), np.float32)
+    padded[: image.shape[0], : image.shape[1]] = image
+    return padded.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).sum(axis=(1, 3))

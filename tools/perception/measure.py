@@ -239,12 +239,30 @@ def _profile(blob: Blob, centre: Array, base: float, height: float) -> Array:
     distance = np.hypot(side[:, 0], side[:, 1])
     facing = side @ to_eye > 0.4 * distance * np.hypot(*to_eye)
     level = np.clip(((blob.xyz[:, 2] - base) / height * LEVELS).astype(int), 0, LEVELS - 1)
-    radii = np.full(LEVELS, np.nan)
-    for k in range(LEVELS):
-        here = distance[facing & (level == k)]
-        if len(here) >= 4:
-            radii[k] = np.quantile(here, 0.8)
-    return radii
+    return ranks_by_group(distance[facing], level[facing], LEVELS, (0.8,), 4)[0]
+
+
+def ranks_by_group(
+    values: Array, group: NDArray[np.intp], count: int, shares: tuple[float, ...], fewest: int
+) -> list[Array]:
+    """Per share, the value at that rank within each group (count,); NaN for groups with too few values.
+
+    Args:
+        values: (N,).
+        group: Group of each value (N,), in [0, count).
+        count: Number of groups.
+        shares: Ranks in [0, 1].
+        fewest: Least number of values.
+    """
+    order = np.lexsort((values, group))
+    sizes = np.bincount(group, minlength=count)
+    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    found: list[Array] = []
+    for share in shares:
+        place = starts + np.round(share * np.maximum(sizes - 1, 0)).astype(int)
+        picked = values[order[np.minimum(place, len(values) - 1)]] if len(values) else np.full(count, np.nan)
+        found.append(np.where(sizes >= fewest, picked, np.nan))
+    return found
 
 
 def _hollow(blob: Blob, centre: Array, radius: float, base: float, top: float) -> tuple[float, float, float, float]:
@@ -275,12 +293,8 @@ def _along(blob: Blob, box: UprightBox) -> tuple[Array, float]:
     """Width at each station of the longer axis, and the bend of the centre line over the length."""
     local = box.local(blob.xyz)
     station = np.clip(((local[:, 0] / box.size[0] + 0.5) * STATIONS).astype(int), 0, STATIONS - 1)
-    widths, middles = np.full(STATIONS, np.nan), np.full(STATIONS, np.nan)
-    for k in range(STATIONS):
-        across = local[station == k, 1]
-        if len(across) >= 5:
-            low, high = np.quantile(across, [0.02, 0.98])
-            widths[k], middles[k] = high - low, (high + low) / 2
+    low, high = ranks_by_group(local[:, 1], station, STATIONS, (0.02, 0.98), 5)
+    widths, middles = high - low, (high + low) / 2
     seen = np.isfinite(middles)
     if seen.sum() < 4:
         return widths, 0.0

@@ -20,7 +20,7 @@ from tools.perception.contents import is_inside
 from tools.perception.features import colour_features, features
 from tools.perception.look import Look
 from tools.perception.measure import CLEAR_LOSS, HIDDEN, Blob, Measured, covered_top, measure
-from tools.perception.segment import BRIGHTNESS_RADIUS, CHROMA_RADIUS, chromaticity
+from tools.perception.segment import BRIGHTNESS_RADIUS, chromaticity
 
 Array = NDArray[np.float64]
 
@@ -84,6 +84,20 @@ class Candidate:
         return self.judgement.category != UNKNOWN_CATEGORY
 
 
+@dataclass(frozen=True)
+class Span:
+    """Where a group of pieces lies."""
+
+    low: Array
+    """2-% quantiles of x, y, z (3,) [m]."""
+    high: Array
+    """98-% quantiles of x, y, z (3,) [m]."""
+    top: float
+    """Height of its top, should something stand on it [m]."""
+    from_top: float
+    """Share of the points that the top camera sees."""
+
+
 class Merger:
     """Reads one look's pieces as objects."""
 
@@ -97,6 +111,8 @@ class Merger:
         self._same: set[tuple[int, int]] = set()
         """Pairs of pieces of one colour that something covers between."""
         self._cache: dict[tuple[int, ...], Candidate] = {}
+        self._spans: dict[tuple[int, ...], Span] = {}
+        self._hues: dict[int, Array] = {}
         self._blobs: dict[tuple[int, ...], Blob] = {}
 
     def objects(self) -> list[Candidate]:
@@ -115,9 +131,9 @@ class Merger:
             [int(piece) for piece in np.flatnonzero(self._look.pieces.cluster == cluster)]
             for cluster in np.unique(self._look.pieces.cluster)
         ]
-        spans = [np.quantile(self._blob(tuple(group)).xyz, [0.02, 0.98], axis=0) for group in groups]
-        for i in sorted(range(len(groups)), key=lambda i: -spans[i][0, 2]):
-            low, high = spans[i]
+        spans = [self._span(tuple(group)) for group in groups]
+        for i in sorted(range(len(groups)), key=lambda i: -spans[i].low[2]):
+            low, high = spans[i].low, spans[i].high
             if low[2] < 0.02:
                 continue
             best: tuple[float, int] | None = None
@@ -140,23 +156,17 @@ class Merger:
     def _joined_under_covers(self, groups: list[list[int]]) -> list[list[int]]:
         """Joins clusters of which low pieces of one colour come out from under the same higher piece."""
         owner = {piece: k for k, group in enumerate(groups) for piece in group}
-        spans = {piece: np.quantile(self._blob((piece,)).xyz, [0.02, 0.98], axis=0) for piece in owner}
-        low = [piece for piece in owner if spans[piece][0, 2] < 2 * STANDING]
+        spans = {piece: self._span((piece,)) for piece in owner}
+        low = [piece for piece in owner if spans[piece].low[2] < 2 * STANDING]
         for a in low:
             for b in low:
                 if a >= b or (a, b) in self._look.pieces.links or not self._same_hue(a, b):
                     continue
-                top = max(spans[a][1, 2], spans[b][1, 2])
+                top = max(spans[a].high[2], spans[b].high[2])
                 for cover in owner:
-                    if cover in (a, b) or spans[cover][0, 2] < top - 0.008:
+                    if cover in (a, b) or spans[cover].low[2] < top - 0.008:
                         continue
-                    gaps = [
-                        np.max(
-                            np.maximum(spans[cover][0, :2], spans[x][0, :2])
-                            - np.minimum(spans[cover][1, :2], spans[x][1, :2])
-                        )
-                        for x in (a, b)
-                    ]
+                    gaps = [_gap(spans[cover], spans[x]) for x in (a, b)]
                     if max(gaps) < BESIDE:
                         self._same.add((a, b))
                         for x in (a, b):
@@ -168,16 +178,10 @@ class Merger:
 
     def _like_neighbour(self, i: int, groups: list[list[int]]) -> tuple[float, int] | None:
         """The group of the same colour right beside a hanging one: the step down between them is hidden from the front."""
-        blob = self._blob(tuple(groups[i]))
-        colour = chromaticity(blob.rgb.mean(0)[None])[0]
-        mine = np.quantile(blob.xyz, [0.02, 0.98], axis=0)
+        mine = self._span(tuple(groups[i]))
         for j, group in enumerate(groups):
             for piece in group if j != i else ():
-                other = self._blob((piece,))
-                span = np.quantile(other.xyz, [0.02, 0.98], axis=0)
-                apart = np.maximum(mine[0], span[0]) - np.minimum(mine[1], span[1])
-                hue = chromaticity(other.rgb.mean(0)[None])[0]
-                if np.all(apart[:2] < BESIDE) and np.hypot(*(colour - hue)[:2]) < CHROMA_RADIUS / 2:
+                if _gap(mine, self._span((piece,))) < BESIDE and any(self._same_hue(own, piece) for own in groups[i]):
                     return 0.0, j
         return None
 
@@ -234,6 +238,16 @@ class Merger:
             return -1.0  # a cube beside a block may look like a box, but each is something by itself
         return gain
 
+    def _span(self, group: tuple[int, ...]) -> Span:
+        """Extents of a group without its outermost points, from the cache."""
+        if group not in self._spans:
+            blob = self._blob(group)
+            ordered = np.sort(blob.xyz, axis=0)
+            count = len(ordered)
+            low, high = ordered[int(0.02 * (count - 1))], ordered[int(np.ceil(0.98 * (count - 1)))]
+            self._spans[group] = Span(low, high, covered_top(blob), float(blob.from_top.mean()))
+        return self._spans[group]
+
     def _alike(self, one: tuple[int, ...], two: tuple[int, ...]) -> bool:
         """Two pieces of these groups that touch have the same colour."""
         for a in one:
@@ -250,7 +264,9 @@ class Merger:
         return bool(near) and max(self._blob((piece,)).lost() for piece in (a, b)) < CLEAR_LOSS
 
     def _hue(self, piece: int) -> Array:
-        return chromaticity(np.median(self._blob((piece,)).rgb, axis=0)[None])[0]
+        if piece not in self._hues:
+            self._hues[piece] = chromaticity(np.median(self._blob((piece,)).rgb, axis=0)[None])[0]
+        return self._hues[piece]
 
     def _blob(self, group: tuple[int, ...]) -> Blob:
         if group not in self._blobs:
@@ -273,7 +289,7 @@ class Merger:
             measured = measure(blob, support, load)
             judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
-            lowest = float(np.quantile(blob.xyz[:, 2], 0.02))
+            lowest = float(self._span(group).low[2])
             hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
             strange = UNKNOWN_COST * unknown * (1.0 if carried is None else COVERED_COST)
             cost = OBJECT_COST + strange + HANGING_COST * hangs
@@ -289,22 +305,19 @@ class Merger:
 
     def _support(self, group: tuple[int, ...], others: list[tuple[int, ...]]) -> tuple[int | None, float]:
         """The piece under a group and the height at which the group stands [m]; (None, 0) on the table."""
-        blob = self._blob(group)
-        lowest = float(np.quantile(blob.xyz[:, 2], 0.02))
-        if lowest < STANDING:
-            return None, 0.0
-        span = np.quantile(blob.xyz, [0.02, 0.98], axis=0)
+        mine = self._span(group)
+        lowest = float(mine.low[2])
         best: tuple[int | None, float] = (None, 0.0)
+        if lowest < STANDING:
+            return best
         for other in others:
             if other == group or set(other) & set(group):
                 continue
-            low, high = np.quantile(self._blob(other).xyz, [0.01, 0.99], axis=0)
-            beneath = np.all((low[:2] < span[1, :2] - 0.006) & (high[:2] > span[0, :2] + 0.006))
-            below = self._blob(other)
-            top = covered_top(below)
-            if below.from_top.mean() < HIDDEN and top < lowest < top + HIDDEN_TOP:
+            below = self._span(other)
+            top = below.top
+            if below.from_top < HIDDEN and top < lowest < top + HIDDEN_TOP:
                 top = lowest - 0.001  # its own lowest points tell better where it stands
-            if beneath and top < lowest + 0.010 and top > best[1]:
+            if _gap(mine, below) < -0.006 and top < lowest + 0.010 and top > best[1]:
                 best = (other[0], top)
         return best
 
@@ -320,6 +333,11 @@ class Merger:
                     inside[group[0]] = other[0]
                     break
         return inside
+
+
+def _gap(one: Span, two: Span) -> float:
+    """Free distance of two groups' bounding rectangles seen from above [m], negative if they overlap."""
+    return float(np.max(np.maximum(one.low[:2], two.low[:2]) - np.minimum(one.high[:2], two.high[:2])))
 
 
 def _swallows(big: Candidate, small: Candidate) -> bool:

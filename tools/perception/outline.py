@@ -98,7 +98,7 @@ def outline(xy: Array) -> Outline:
     keep = np.ones(DIRECTIONS, bool)
     solution = np.zeros(3)
     for _ in range(5):
-        solution = np.linalg.lstsq(a[keep], support[keep], rcond=None)[0]
+        solution = np.linalg.solve(a[keep].T @ a[keep] + 1e-9 * np.eye(3), a[keep].T @ support[keep])
         error = support - a @ solution
         keep = error < max(0.0015, 1.5 * float(np.median(np.abs(error))))  # only what sticks out is not the circle
     error = support - a @ solution
