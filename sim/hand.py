@@ -7,6 +7,7 @@ objects: points come from whoever has seen or placed them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -42,9 +43,10 @@ PAD = 2
 
 FULL_LIFT = 0.17
 """How far the tool point rises in a grasp motion [m]: 10 cm demanded by success, and room for the shake."""
-LIFT_SAMPLES = 4
-SWEEP_STEP = 0.02
-"""Largest step between checked poses of the hand on its way [m]; boxes are stretched along the step, nothing is missed."""
+VERTICAL = 0.9999
+"""Cosine from which an approach counts as straight down: the lift then strays by less than 3 mm."""
+LIFT_STEP = 0.0175
+"""Largest step between checked heights of the lifted hand [m]: less than a pad's thickness, so nothing is missed."""
 
 
 def hand_boxes(aperture: float) -> list[tuple[Array, Array]]:
@@ -65,27 +67,27 @@ def approach_time(distance: float, speed: float) -> float:
     return max(0.25, 15.0 / 8.0 * distance / (FULL_SPEED * speed))
 
 
-def _swept_boxes(aperture: float, standoff: float) -> tuple[Array, Array, Array, Array]:
-    """The hand's boxes stretched over the approach, and as they stand at the grasp: centres and halves, each (8, 3)."""
-    boxes = hand_boxes(aperture)
-    centres = np.array([centre for centre, _ in boxes]) - [0.0, 0.0, TCP_OFFSET]
-    halves = np.array([half for _, half in boxes])
-    stretched = centres.copy(), halves.copy()
-    stretched[0][:, 2] -= standoff / 2.0
-    stretched[1][:, 2] += standoff / 2.0
-    return stretched[0], stretched[1], centres, halves
+def _distances(x: Array, y: Array, z: Array, aperture: float, standoff: float) -> Array:
+    """Signed distance of points to the hand stretched back along its approach by `standoff`, same shape as x, y, z.
 
-
-def _box_distance(points: Array, centres: Array, halves: Array) -> Array:
-    """Signed distance of points (..., 3) to the nearest of the boxes (B, 3), same frame; shape (...)."""
-    best = np.full(points.shape[:-1], np.inf)
-    for centre, half in zip(centres, halves, strict=True):
-        outside = np.abs(points - centre) - half
-        positive = np.maximum(outside, 0.0)
-        inside = np.minimum(outside.max(axis=-1), 0.0)
-        distance = np.sqrt(np.einsum("...i,...i->...", positive, positive)) + inside
-        np.minimum(best, distance, out=best)
-    return best
+    Coordinates are in the hand's axes about the tool point. The hand is its own mirror image in x and y, so five boxes
+    in the quadrant of |x|, |y| stand for all eight.
+    """
+    x, y = np.abs(x), np.abs(y)
+    boxes = [(0.0, centre[2], half) for centre, half in PALM_BOXES]
+    boxes += [(centre[1] + aperture / 2.0, centre[2] + FINGER_OFFSET, half) for centre, half in FINGER_BOXES]
+    outside = np.full(x.shape, np.inf)
+    inside = np.zeros(x.shape)
+    for beside, along, half in boxes:
+        dx = x - half[0]
+        dy = (y if beside == 0.0 else np.abs(y - beside)) - half[1]
+        dz = np.abs(z - (along - TCP_OFFSET - standoff / 2.0)) - (half[2] + standoff / 2.0)
+        np.minimum(inside, np.maximum(np.maximum(dx, dy), dz), out=inside)
+        np.maximum(dx, 0.0, out=dx)
+        np.maximum(dy, 0.0, out=dy)
+        np.maximum(dz, 0.0, out=dz)
+        np.minimum(outside, dx * dx + dy * dy + dz * dz, out=outside)
+    return np.sqrt(outside) + inside
 
 
 def swept_distances(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> Array:
@@ -100,45 +102,48 @@ def swept_distances(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -
     if not len(points):
         return np.zeros(0)
     rotation = grasp.rotation()
-    local = (points - np.asarray(grasp.position)) @ rotation
-    centres_a, halves_a, centres, halves = _swept_boxes(grasp.aperture, grasp.standoff)
-    best = _box_distance(local, centres_a, halves_a)
+    x, y, z = ((points - np.asarray(grasp.position)) @ rotation).T
+    up = rotation[2]
+    if up[2] < -VERTICAL:
+        # The lift goes back along the approach: one stretched hand covers both.
+        return _distances(x, y, z, grasp.aperture, max(grasp.standoff, lift))
+    best = _distances(x, y, z, grasp.aperture, grasp.standoff)
     if lift > 0.0:
-        # Raising the hand by h is lowering the points by h; samples every `lift / LIFT_SAMPLES`.
-        up = rotation.T @ np.array([0.0, 0.0, 1.0])
-        for height in np.linspace(0.0, lift, LIFT_SAMPLES + 1)[1:]:
-            np.minimum(best, _box_distance(local - height * up, centres, halves), out=best)
+        # Raising the hand by h is lowering the points by h.
+        heights = np.linspace(0.0, lift, math.ceil(lift / LIFT_STEP) + 1)[1:, None]
+        raised = _distances(x - heights * up[0], y - heights * up[1], z - heights * up[2], grasp.aperture, 0.0)
+        np.minimum(best, raised.min(axis=0), out=best)
     return best
 
 
 def swept_clearance(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
-    """Smallest signed distance [m] between the swept hand and the points (N, 3); inf without points."""
-    distances = swept_distances(grasp, points_w, lift=lift)
-    return float(distances.min()) if len(distances) else float("inf")
+    """Smallest signed distance [m] between the swept hand and the points (N, 3); inf without points.
+
+    Points that cannot come within `CULL_MARGIN` of the hand are not measured: they count as that far away.
+    """
+    return float(swept_clearances([grasp], points_w, lift=lift)[0])
 
 
 def swept_clearances(grasps: Sequence[Grasp], points_w: Array, *, lift: float = 0.0) -> Array:
-    """`swept_clearance` of many grasps against the same points, shape (G,); inf without points.
-
-    A hand sphere around each grasp's path first drops the points that cannot decide anything below `CULL` metres.
-    """
+    """`swept_clearance` of many grasps against the same points, shape (G,); inf without points."""
     points = np.asarray(points_w, float).reshape(-1, 3)
     out = np.full(len(grasps), np.inf)
     if not len(points):
         return out
     for index, grasp in enumerate(grasps):
         offset = points - np.asarray(grasp.position)
-        near = np.einsum("ij,ij->i", offset, offset) < (CULL + grasp.standoff + lift) ** 2
+        squared = np.einsum("ij,ij->i", offset, offset)
+        # No hand point is farther from the tool point's way than this.
+        reach = HAND_RADIUS + max(grasp.standoff, lift)
+        near = squared < (reach + CULL_MARGIN) ** 2
         if near.any():
-            out[index] = swept_clearance(grasp, points[near], lift=lift)
-        else:
-            out[index] = float(
-                np.sqrt(np.einsum("ij,ij->i", offset, offset).min()) - HAND_RADIUS - grasp.standoff - lift
-            )
+            out[index] = swept_distances(grasp, points[near], lift=lift).min()
+        if not near.all():
+            out[index] = min(out[index], CULL_MARGIN)
     return out
 
 
 HAND_RADIUS = 0.17
-"""Every point of the hand lies within this distance of the tool centre point [m]: sqrt(.1294² + .102² + .0315²)."""
-CULL = HAND_RADIUS + 0.05
-"""Points farther from the tool point than this (plus the way) are not measured exactly [m]."""
+"""Every point of the hand lies within this distance of the tool point [m]: sqrt(.1294^2 + .102^2 + .0315^2)."""
+CULL_MARGIN = 0.10
+"""Clearances up to this are exact [m]; larger ones may be reported as this."""

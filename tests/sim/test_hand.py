@@ -10,7 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.grasp import Grasp
-from sim.hand import PALM_ABOVE_TCP, TIP_BEYOND_TCP, hand_boxes, swept_clearance, swept_clearances
+from sim.hand import (
+    CULL_MARGIN,
+    PALM_ABOVE_TCP,
+    TCP_OFFSET,
+    TIP_BEYOND_TCP,
+    hand_boxes,
+    swept_clearance,
+    swept_clearances,
+    swept_distances,
+)
 
 
 def _top(x: float = 0.5, y: float = 0.0, z: float = 0.05, yaw: float = 0.0, aperture: float = 0.06) -> Grasp:
@@ -57,7 +66,7 @@ def test_the_sweep_covers_the_way_in_and_the_way_up() -> None:
     above = np.array([[0.5, 0.09, 0.05 + 0.07 + 0.10]])
     grasp = _top(yaw=math.pi / 2)
     assert swept_clearance(grasp, above, lift=0.0) < 0.0
-    higher = above + [0.0, 0.0, 0.13]
+    higher = above + np.array([0.0, 0.0, 0.13])
     assert swept_clearance(grasp, higher, lift=0.0) > 0.02
     assert swept_clearance(grasp, higher, lift=0.17) < 0.01
 
@@ -67,25 +76,52 @@ def test_the_sweep_covers_the_way_in_and_the_way_up() -> None:
 def test_clearance_moves_with_the_scene(yaw: float, aperture: float, dx: float, dy: float, z: float) -> None:
     """Moving grasp and points together changes nothing; half a turn of the closing axis changes nothing."""
     rng = np.random.default_rng(7)
-    points = rng.uniform(-0.15, 0.15, (40, 3)) + [0.5, 0.0, 0.1]
+    points = rng.uniform(-0.15, 0.15, (40, 3)) + np.array([0.5, 0.0, 0.1])
     grasp = _top(z=0.05 + z, yaw=yaw, aperture=aperture)
     base = swept_clearance(grasp, points)
     moved = grasp.model_copy(update={"position": (0.5 + dx, dy, 0.05 + z)})
-    assert swept_clearance(moved, points + [dx, dy, 0.0]) == pytest.approx(base, abs=1e-9)
+    assert swept_clearance(moved, points + np.array([dx, dy, 0.0])) == pytest.approx(base, abs=1e-9)
     turned = grasp.model_copy(update={"yaw": yaw + math.pi})
     assert swept_clearance(turned, points) == pytest.approx(base, abs=1e-9)
 
 
-def test_batch_agrees_with_single_near_and_is_a_lower_bound_far() -> None:
-    """`swept_clearances` equals `swept_clearance` where it matters and never overstates where it culls."""
+def test_the_fast_distance_equals_the_boxes() -> None:
+    """The mirrored five-box distance equals the signed distance to all eight stretched boxes."""
+    rng = np.random.default_rng(5)
+    grasp = _side(0.4)
+    points = rng.normal([0.5, 0.0, 0.1], 0.1, (300, 3))
+    local = (points - np.asarray(grasp.position)) @ grasp.rotation()
+    best = np.full(len(points), np.inf)
+    for centre, half in hand_boxes(grasp.aperture):
+        centre = centre - [0.0, 0.0, TCP_OFFSET + grasp.standoff / 2]
+        outside = np.abs(local - centre) - (half + np.array([0.0, 0.0, grasp.standoff / 2]))
+        distance = np.linalg.norm(np.maximum(outside, 0.0), axis=1) + np.minimum(outside.max(axis=1), 0.0)
+        best = np.minimum(best, distance)
+    assert swept_distances(grasp, points, lift=0.0) == pytest.approx(best, abs=1e-12)
+
+
+def test_nothing_slips_through_the_lift() -> None:
+    """Points all along the way of a side grasp's fingers upwards are within the swept hand."""
+    grasp = _side(0.0)
+    pad = np.asarray(grasp.position) + grasp.closing_axis() * (grasp.aperture / 2 + 0.007)
+    column = pad + np.linspace(0.0, 0.17, 60)[:, None] * [0.0, 0.0, 1.0]
+    assert swept_distances(grasp, column, lift=0.17).max() < 0.0
+    assert swept_distances(grasp, column, lift=0.0).max() > 0.1
+
+
+def _side(turn: float) -> Grasp:
+    approach = (math.cos(turn), math.sin(turn), 0.0)
+    return Grasp(position=(0.5, 0, 0.1), approach=approach, yaw=turn + 1.57, aperture=0.06, force=10, type="side")
+
+
+def test_batch_agrees_with_single_and_far_points_count_as_far() -> None:
+    """Culled or not, clearances up to the margin are exact, and larger ones are never understated below it."""
     rng = np.random.default_rng(2)
     points = rng.uniform([0.3, -0.3, 0.0], [0.8, 0.3, 0.2], (500, 3))
     grasps = [_top(x, y, 0.05, yaw) for x, y, yaw in rng.uniform([0.3, -0.3, -3], [0.8, 0.3, 3], (50, 3))]
     grasps.append(_top(2.0, 2.0))
     batch = swept_clearances(grasps, points)
     for grasp, value in zip(grasps, batch, strict=True):
-        exact = swept_clearance(grasp, points, lift=0.0)
-        assert value <= exact + 1e-9
-        if exact < 0.03:
-            assert value == pytest.approx(exact, abs=1e-9)
+        exact = swept_distances(grasp, points, lift=0.0).min()
+        assert min(value, CULL_MARGIN) == pytest.approx(min(exact, CULL_MARGIN), abs=1e-9)
     assert swept_clearances(grasps, np.zeros((0, 3))).tolist() == [np.inf] * len(grasps)
