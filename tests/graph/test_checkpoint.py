@@ -1,0 +1,61 @@
+"""Checkpoints: everything in the state survives them unchanged, without warnings and without arrays."""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agent import build_agent
+from agent.checkpoint import serializer
+from agent.state import State
+from kb.errors import BadInputError, EnvironmentFaultError
+
+
+@pytest.fixture(scope="module")
+def finished() -> State:
+    """The state after a pick."""
+    agent = build_agent("single_cube", 10_001, perception="oracle")
+    agent.run("pick up the cube")
+    return agent.state
+
+
+def test_every_field_survives_serialisation(finished: State, caplog: pytest.LogCaptureFixture) -> None:
+    """Each value comes back equal and with its type; the serializer warns of nothing."""
+    serde = serializer()
+    with caplog.at_level(logging.WARNING):
+        for field in dataclasses.fields(State):
+            value = getattr(finished, field.name)
+            back = serde.loads_typed(serde.dumps_typed(value))
+            plain = tuple(back) if isinstance(value, tuple) else back
+            assert plain == value, field.name
+    assert not caplog.records
+
+
+def test_pictures_are_kept_by_hash_only(finished: State) -> None:
+    """No array is in the state; pictures are "name:hash"."""
+    assert all(":" in item and len(item) < 60 for item in finished.pictures)
+    assert len(finished.pictures) == 2
+    assert not any(isinstance(getattr(finished, f.name), np.ndarray) for f in dataclasses.fields(State))
+
+
+def test_a_thread_belongs_to_its_world(tmp_path: Path) -> None:
+    """A thread reopened without a scene has its own; another scene or seed is refused with both names."""
+    threads = tmp_path / "threads.sqlite"
+    agent = build_agent("single_cube", 10_001, perception="oracle", thread="mine", threads=threads)
+    agent.run("pick up the cube")
+    again = build_agent(perception="oracle", thread="mine", threads=threads)
+    assert "cube" in again.run("what are you holding?").answer
+    assert again.run("put it on the right").goals[0].claimed
+    with pytest.raises(BadInputError, match="single_cube"):
+        build_agent("single_cup", thread="mine", threads=threads)
+
+
+def test_unwritable_threads_are_an_environment_fault(tmp_path: Path) -> None:
+    """A path through a file cannot keep threads; the error says the mend."""
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(EnvironmentFaultError, match="RAGVLM_HOME"):
+        build_agent("single_cube", thread="t", threads=tmp_path / "file" / "threads.sqlite")

@@ -1,0 +1,85 @@
+"""The retry ladder: levels, budget, and honest ends, with failures made by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from agent import build_agent, nodes
+from agent.ladder import budget, irreversible, level_of
+from kb.sensing import CameraEvidence, Sensing
+from kb.switches import Switches
+from tests.percept_fixtures import thing
+
+NOTHING = Sensing(phase="close", aperture_start=0.08, aperture_closed=0.0, aperture_end=0.0)
+"""The fingers closed on nothing."""
+
+
+def failing(monkeypatch: pytest.MonkeyPatch, times: int) -> list[Any]:
+    """Makes the first `times` grasps close on nothing; the list collects the plans."""
+    plans: list[Any] = []
+    real = nodes.execute_grasp
+
+    def grasp(args: Any, context: Any) -> Sensing:
+        plans.append(args.plan)
+        return NOTHING if len(plans) <= times else real(args, context)
+
+    monkeypatch.setattr(nodes, "execute_grasp", grasp)
+    return plans
+
+
+def test_levels_are_indexed_by_the_attempt_being_prepared() -> None:
+    """Resolved: 0, 1, 2, 3; as written level 3 is never reached within four attempts (ledger G19)."""
+    assert [level_of(n, Switches()) for n in range(4)] == [0, 1, 2, 3]
+    assert [level_of(n, Switches(levels="as_written")) for n in range(4)] == [0, 1, 1, 2]
+
+
+def test_budget() -> None:
+    """Four attempts with recovery, one without."""
+    assert budget(Switches()) == 4
+    assert budget(Switches(recovery=False)) == 1
+
+
+def test_a_failure_is_retried_after_another_look(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One miss: look, diagnosis, correction of level 1, success at the second attempt."""
+    failing(monkeypatch, 1)
+    steps: list[Any] = []
+    result = build_agent("single_cube", 10_001, perception="oracle").run("pick up the cube", steps.append)
+    kinds = [s.kind for s in steps]
+    assert result.goals[0].claimed
+    assert [a.level for a in result.goals[0].attempts] == [0, 1]
+    assert result.goals[0].attempts[1].correction is not None
+    assert kinds.index("reflection") > kinds.index("look", kinds.index("action"))
+
+
+@pytest.mark.parametrize(("configuration", "attempts"), [("full", 4), ("no_recovery", 1), ("blind_retry", 4)])
+def test_the_budget_is_kept(monkeypatch: pytest.MonkeyPatch, configuration: str, attempts: int) -> None:
+    """Misses without end: as many attempts as the configuration allows, then an honest failure that claims nothing."""
+    plans = failing(monkeypatch, 99)
+    result = build_agent("single_cube", 10_001, perception="oracle", configuration=configuration).run(
+        "pick up the cube"
+    )
+    assert len(plans) == attempts
+    assert not result.success
+    assert not result.goals[0].claimed
+    assert "attempt" in result.answer
+
+
+def test_levels_of_an_exhausted_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The four attempts carry the levels 0, 1, 2, 3, and blind retry carries no correction."""
+    failing(monkeypatch, 99)
+    full = build_agent("single_cube", 10_001, perception="oracle").run("pick up the cube")
+    assert [a.level for a in full.goals[0].attempts] == [0, 1, 2, 3]
+    assert all(a.correction for a in full.goals[0].attempts[1:])
+    blind = build_agent("single_cube", 10_001, perception="oracle", configuration="blind_retry").run("pick up the cube")
+    assert not any(a.correction for a in blind.goals[0].attempts)
+    assert blind.goals[0].attempts[0].grasp == full.goals[0].attempts[0].grasp
+
+
+def test_toppled_glass_is_not_tried_again() -> None:
+    """A fragile thing that has fallen over ends the goal; a sturdy one does not."""
+    fallen = CameraEvidence(target_tilted=True)
+    assert irreversible(thing("obj_0", "wine_glass", 0.5, 0.0), fallen) is not None
+    assert irreversible(thing("obj_0", "bottle", 0.5, 0.0), fallen) is None
+    assert irreversible(thing("obj_0", "wine_glass", 0.5, 0.0), None) is None
