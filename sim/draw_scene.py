@@ -18,7 +18,7 @@ from sim.catalogue import FRICTION, MODELS
 from sim.footprint import outline
 from sim.objects import bin as bin_shape
 from sim.objects.form import quaternion_about
-from sim.own_object import own_object
+from sim.own_object import check_extents, own_object
 from sim.particles import contained, fill
 from sim.placed import PlacedObject, PlacedScene, RequiredConstraint, Task
 from sim.placement import TABLE_LOWER, TABLE_UPPER, check_place, put
@@ -27,7 +27,9 @@ from sim.scene_spec import ObjectSpec, Randomise, SceneSpec
 from sim.settle import lay_down, settle
 from sim.tasks.family import Family, family_of
 
-ATTEMPTS = 400
+PLACE_TRIES = 20
+"""Draws of one object's place before the whole placement is drawn again."""
+ATTEMPTS = 100
 """Draws of a whole placement before a scene counts as impossible."""
 
 
@@ -75,6 +77,8 @@ def draw_object(entry: ObjectSpec, spec: SceneSpec, rng: np.random.Generator) ->
     chosen = MODELS[entry.model]
     scale = entry.scale * (1 + spread.size * _truncated(size, spread, chosen.largest))
     nominal_friction = FRICTION[chosen.affordance.material] if entry.friction is None else entry.friction
+    if not chosen.fixed:
+        check_extents(np.asarray(chosen.form(scale).size), spec.where(entry.id))
     return chosen.draw(
         rng,
         id=entry.id,
@@ -172,10 +176,7 @@ def _one_placement(
             done[entry.id] = replace(thing, position=base)
             inside = bin_shape.inside()
             continue
-        yaw = entry.yaw + spec.randomise.yaw * float(rng.uniform(-1.0, 1.0))
-        thing = replace(thing, quaternion=quaternion_about("z", yaw))
-        thing = put(entry, spec, thing, done, rng)
-        check_place(entry, spec, thing, done)
+        thing = _fitting(entry, spec, thing, done, rng)
         done[entry.id] = thing
     ordered = tuple(done[entry.id] for entry in spec.objects)
     full = replace(scene, objects=ordered, bin=inside)
@@ -183,6 +184,25 @@ def _one_placement(
         if entry.on is not None:
             full = _laid_on(entry, full)
     return full
+
+
+def _fitting(
+    entry: ObjectSpec, spec: SceneSpec, thing: PlacedObject, done: dict[str, PlacedObject], rng: np.random.Generator
+) -> PlacedObject:
+    """The object at a place that fits; a drawn place is drawn a few times before the others are drawn again too."""
+    tries = 1 if entry.position is not None or entry.on is not None else PLACE_TRIES
+    while True:
+        tries -= 1
+        yaw = entry.yaw + spec.randomise.yaw * float(rng.uniform(-1.0, 1.0))
+        turned = replace(thing, quaternion=quaternion_about("z", yaw))
+        try:
+            placed = put(entry, spec, turned, done, rng)
+            check_place(entry, spec, placed, done)
+        except BadInputError:
+            if tries <= 0:
+                raise
+            continue
+        return placed
 
 
 def _laid_on(entry: ObjectSpec, scene: PlacedScene) -> PlacedScene:

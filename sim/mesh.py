@@ -12,6 +12,7 @@ import logging
 import os
 import tempfile
 from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -40,13 +41,14 @@ Faces = NDArray[np.int64]
 _log = logging.getLogger(__name__)
 
 
-def convex_pieces(blob: bytes, suffix: str, where: str) -> list[Array]:
+def convex_pieces(blob: bytes, suffix: str, where: str, check: Callable[[Array], None] | None = None) -> list[Array]:
     """Convex pieces (N, 3) of a mesh file, in the file's units and axes, from the cache where possible.
 
     Args:
         blob: The file's bytes.
         suffix: Its kind, one of `SUFFIXES`.
         where: Place for error messages.
+        check: Called with the mesh's extents (3,) before the costly cutting; may raise.
 
     Raises:
         BadInputError: it cannot be read or has no volume after repair.
@@ -56,6 +58,8 @@ def convex_pieces(blob: bytes, suffix: str, where: str) -> list[Array]:
     if cached is not None:
         return cached
     vertices, faces = _read(blob, suffix, where)
+    if check is not None and len(vertices):
+        check(np.ptp(vertices, axis=0))
     pieces = pieces_of(vertices, faces, where)
     _to_cache(entry, pieces)
     return pieces

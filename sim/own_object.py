@@ -69,7 +69,9 @@ def own_object(
         mass = file_mass * scale**3 if mass is None else mass
     else:
         path = inside(folder, str(entry.mesh), where, SUFFIXES)
-        cut = convex_pieces(read(path, where), path.suffix.lower(), where)
+        cut = convex_pieces(
+            read(path, where), path.suffix.lower(), where, lambda size: check_extents(scale * size, where)
+        )
         colour = colour or drawn
         pieces = [Geom("mesh", vertices=piece, mass=v) for piece, v in zip(cut, hull_volumes(cut), strict=True)]
     geoms, size = _standing(pieces, scale, entry.up, where)
@@ -112,13 +114,24 @@ def _standing(pieces: list[Geom], scale: float, up: str, where: str) -> tuple[li
     points = np.vstack([geom_points(geom) for geom in rough])
     low, high = points.min(0), points.max(0)
     extents = high - low
-    if extents.max() > LARGEST or extents.min() < SMALLEST:
-        centimetres = " x ".join(f"{100 * value:.4g}" for value in extents)
-        hint = "; are its units millimetres (scale: 0.001)?" if extents.max() > 10 * LARGEST else ""
-        raise BadInputError(f"it measures {centimetres} cm, each must be 0.2 to 60 cm{hint}", where=where)
+    check_extents(extents, where)
     shift = -np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     x, y, z = extents.tolist()
     return [moved(geom, np.eye(3), shift, 1.0) for geom in rough], (x, y, z)
+
+
+def check_extents(extents: NDArray[np.float64], where: str, smallest: float = SMALLEST) -> None:
+    """Raises BadInputError if an object's extents (3,) [m] are too small or too large to be handled.
+
+    A flat mesh is let through here: it has no volume, which is the better thing to say.
+    """
+    if extents.max() > LARGEST or 0.0 < extents.min() < smallest or extents.max() < smallest:
+        centimetres = " x ".join(f"{100 * value:.4g}" for value in extents)
+        hint = "; are its units millimetres (scale: 0.001)?" if extents.max() > 10 * LARGEST else ""
+        raise BadInputError(
+            f"it measures {centimetres} cm, each must be {100 * smallest:.1g} to {100 * LARGEST:.0f} cm{hint}",
+            where=where,
+        )
 
 
 def _affordance(entry: ObjectSpec) -> AffordanceDescriptor:

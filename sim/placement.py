@@ -41,9 +41,8 @@ def put(
         return beside(thing, done[entry.near], free, bearing)
     if entry.position is not None:
         height = entry.position[2] if len(entry.position) == 3 else 0.0
-        return replace(
-            thing, position=(entry.position[0] + shift[0], entry.position[1] + shift[1], max(height, RESTING))
-        )
+        x, y = entry.position[0] + float(shift[0]), entry.position[1] + float(shift[1])
+        return replace(thing, position=(x, y, max(height, RESTING)))
     x, y = rng.uniform(SPAWN_LOWER, SPAWN_UPPER)
     return replace(thing, position=(float(x), float(y), RESTING))
 

@@ -185,6 +185,15 @@ def _check_references(spec: SceneSpec) -> None:
             if other is not None and (other not in ids or other == thing.id):
                 choices = sorted(ids - {thing.id})
                 raise BadInputError(f"there is no other object {other!r}", where=spec.where(thing.id), choices=choices)
+    bins = [thing for thing in spec.objects if thing.model == "bin"]
+    for thing in bins:
+        if thing is not bins[0]:
+            raise BadInputError("there is one bin only", where=spec.where(thing.id))
+        if thing.position or thing.near or thing.on:
+            raise BadInputError("the bin has its own stand and takes no place", where=spec.where(thing.id))
+    for thing in spec.objects:
+        if bins and bins[0].id in (thing.near, thing.on):
+            raise BadInputError("nothing can start near or in the bin", where=spec.where(thing.id))
     placement_order(spec)
     _check_task(spec, ids)
 

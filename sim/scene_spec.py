@@ -13,6 +13,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_\-]{0,63}$")]
 """An object's id: letters, digits, - and _, not starting with a digit."""
 Positive = Annotated[Finite, Field(gt=0.0)]
 Share = Annotated[Finite, Field(ge=0.0, le=1.0)]
+Coordinate = Annotated[Finite, Field(ge=-10.0, le=10.0)]
 Range = tuple[Finite, Finite]
 """A lower and an upper bound of a uniform draw."""
 RESERVED_IDS = ("table", "floor", "robot", "world", "particle")
@@ -28,10 +29,10 @@ class ObjectSpec(Noun):
     """Path of a mesh file, relative to the scene file."""
     mjcf: str | None = None
     """Path of an MJCF file with one free body, relative to the scene file."""
-    position: Annotated[tuple[Finite, ...], Field(min_length=2, max_length=3)] | None = None
+    position: Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)] | None = None
     """Centre of the footprint [m], and optionally the height of the lowest point above the table. Left out and without
     `near` or `on`: drawn in the spawn area."""
-    yaw: Finite = 0.0
+    yaw: Annotated[Finite, Field(ge=-100.0, le=100.0)] = 0.0
     near: Name | None = None
     """Id of the object it stands beside."""
     gap: Positive | Range | None = None
