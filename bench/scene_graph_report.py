@@ -119,15 +119,14 @@ def compare(seed: int, name: str, percept: Percept, things: list[TrueThing]) -> 
     real = {(e.source, e.relation, e.target) for e in truth.edges}
     _count(result.edges, {(r, (a, b)) for a, r, b in seen}, {(r, (a, b)) for a, r, b in real}, result.mistakes, result)
     found = set(names.values()) & {thing.id for thing in things}
-    both = ({(r, (a, b)) for a, r, b in edges if {a, b} <= found} for edges in (seen, real))
-    _count(result.found_edges, *both, [], result)
+    both = [{(r, (a, b)) for a, r, b in edges if {a, b} <= found} for edges in (seen, real)]
+    _count(result.found_edges, both[0], both[1], [], result)
     for thing in things:
         perceived = next((obj_id for obj_id, true in names.items() if true == thing.id), None)
         wanted = _constraints(truth, thing.id, {t.id: t.id for t in things})
         inferred = set() if perceived is None else _constraints(graph, perceived, names)
-        _count(
-            result.constraints, {(k, (thing.id, t)) for k, t in found}, {(k, (thing.id, t)) for k, t in wanted}, result
-        )
+        sides = [{(kind, (thing.id, other)) for kind, other in facts} for facts in (inferred, wanted)]
+        _count(result.constraints, sides[0], sides[1], result.mistakes, result)
     return result
 
 

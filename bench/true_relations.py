@@ -103,9 +103,9 @@ def _relations(a: TrueThing, b: TrueThing, gap: float) -> list[Relation]:
 
 def _gap(one: TrueThing, other: TrueThing) -> float:
     """Distance of the surfaces [m]: nearest samples, whose spacing makes it up to 2 mm too large at contact."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    return float(cKDTree(one.surface).query(other.surface)[0].min())
+    return float(KDTree(one.surface).query(other.surface)[0].min())
 
 
 def _share_over(one: TrueThing, other: TrueThing) -> float:

@@ -53,11 +53,11 @@ class CorrectionRule(Noun):
     failure: FailureType
     name: str
     """Short text for provenance, e.g. "slip: force x 1.2"."""
-    scale: dict[GraspField, Finite] = Field(default_factory=dict)
+    scale: dict[GraspField, Finite] = Field(default_factory=dict[GraspField, Finite])
     """Field -> factor."""
-    add: dict[GraspField, Finite] = Field(default_factory=dict)
+    add: dict[GraspField, Finite] = Field(default_factory=dict[GraspField, Finite])
     """Field -> summand [SI]."""
-    set: dict[GraspField, Finite] = Field(default_factory=dict)
+    set: dict[GraspField, Finite] = Field(default_factory=dict[GraspField, Finite])
     """Field -> value."""
     actions: tuple[RuleAction, ...] = ()
     amount: Finite | None = None

@@ -53,7 +53,7 @@ class Experience(Noun):
     """y: rate >= SUCCESS_RATE."""
     n_trials: int
     n_success: int
-    failures: dict[FailureType, int] = Field(default_factory=dict)
+    failures: dict[FailureType, int] = Field(default_factory=dict[FailureType, int])
     """How often each failure type occurred among the trials."""
     embedding: tuple[Finite, ...]
     """v: visual embedding of a reference view."""

@@ -92,7 +92,7 @@ class PerceivedObject(Noun):
     def surface_points(self) -> NDArray[np.float64]:
         """Observed surface points in the world frame [m], shape (N, 3)."""
         steps = np.frombuffer(self.surface, dtype=np.int16).reshape(-1, 3)
-        return steps * SURFACE_UNIT + np.asarray(self.position)
+        return steps.astype(np.float64) * SURFACE_UNIT + np.asarray(self.position)
 
     def part(self, region: Region) -> Part | None:
         """The part of that region, if one was seen (the most confident one)."""

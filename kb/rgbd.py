@@ -35,7 +35,8 @@ class RgbdView:
         height, width = self.depth.shape
         cx, cy = self.centre
         z = np.where(self.depth > 0, self.depth, np.nan).astype(np.float64)
-        u, v = np.meshgrid(np.arange(width), np.arange(height))
+        u: NDArray[np.float64] = np.arange(width, dtype=np.float64)[None, :].repeat(height, axis=0)
+        v: NDArray[np.float64] = np.arange(height, dtype=np.float64)[:, None].repeat(width, axis=1)
         camera = np.stack([(u - cx) / self.focal * z, (v - cy) / self.focal * z, z], axis=-1)
         pose = self.transform_camera_to_world
         return camera @ pose[:3, :3].T + pose[:3, 3]

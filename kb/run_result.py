@@ -32,7 +32,9 @@ class AttemptRecord(Noun):
 
     level: Level
     grasp: GraspRecord | None
-    provenance: dict[GraspField, tuple[Provenance, ...]] = Field(default_factory=dict)
+    provenance: dict[GraspField, tuple[Provenance, ...]] = Field(
+        default_factory=dict[GraspField, tuple[Provenance, ...]]
+    )
     quality: Quality | None = None
     success: bool
     """The observer's word (on hardware without an observer: `claimed`)."""

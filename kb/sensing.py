@@ -100,7 +100,7 @@ class Correction(Noun):
     level: Literal[1, 2, 3]
     rule: str
     """Name of the rule, e.g. "slip: force x 1.2"."""
-    changes: dict[GraspField, Finite | str | Vec3] = Field(default_factory=dict)
+    changes: dict[GraspField, Finite | str | Vec3] = Field(default_factory=dict[GraspField, Finite | str | Vec3])
     """New values per field."""
     offset: Vec3 = (0.0, 0.0, 0.0)
     """Added to the position that is planned anew [m]: the lowering after a squeeze-out, or level 3's perturbation."""
