@@ -292,3 +292,17 @@ def test_the_bin_is_avoided_without_being_seen(cube, scene) -> None:
     x, y, _ = _at(world, "cube")
     assert 0.30 < x < 0.60
     assert 0.425 < y < 0.675
+
+
+def test_a_handover_holds_the_object_out_and_keeps_it(cube, scene) -> None:
+    """Held out in front and in the air, the object stays in the hand; releasing then sets it on the table upright."""
+    world = World(scene(cube(x=0.5, y=0.1)))
+    robot = Robot(world)
+    robot.grasp(_top(0.5, 0.1, 0.025), shake=False)
+    felt = robot.handover()
+    assert felt.stopped_by is None
+    assert felt.load_min == pytest.approx(0.09, abs=3e-3)
+    assert robot.holding
+    assert _at(world, "cube")[2] > 0.35
+    robot.release_and_home()
+    assert abs(_at(world, "cube")[2]) < 1e-3
