@@ -85,7 +85,7 @@ def test_a_noun_fits_what_its_posterior_allows() -> None:
 
 
 def test_pronouns_and_the_other_one() -> None:
-    """ "it" is what was dealt with last, "the other cup" is not."""
+    """The pronoun "it" is what was dealt with last, "the other cup" is not."""
     assert meant("it", last="obj_1").ids == ("obj_1",)
     assert meant("the other cup", last="obj_1").ids == ("obj_0",)
     assert meant("it").ids == ()
