@@ -70,7 +70,7 @@ def fit_references(label: NDArray[np.str_], geometry: Array, colour: Array) -> d
     categories = sorted(set(label[known].tolist()))
     truth = np.array([categories.index(name) for name in label[known]])
     g, c = geometry[known], colour[known]
-    fold = np.arange(len(truth)) % 2
+    fold = np.arange(len(truth)) // 2 % 2  # filled and empty views alternate, and both belong in both halves
     held = np.empty((len(truth), len(categories)))
     held_colour, square = np.empty_like(held), np.empty_like(held)
     for part in (0, 1):
