@@ -101,7 +101,7 @@ def summarise(args: GatherArgs, outcomes: list[Outcome], embedder: str) -> Exper
         force=args.recipe.force,
         force_band=(_rounded(min(forces)), _rounded(max(forces))),
         aperture=_rounded(np.mean(apertures)) if apertures else 0.08,
-        depth=_rounded(np.mean([o.depth for o in executed])) if executed else 0.5,
+        depth=_rounded(np.clip(np.mean([o.depth for o in executed]), 0.0, 1.0)) if executed else 0.5,
         speed=args.recipe.speed,
     )
     return Experience(

@@ -33,7 +33,7 @@ from tools.planning.generate_candidates import generate_candidates
 from tools.planning.grasp_prior import GraspPrior, prior_chain
 from tools.planning.literal_plan import literal_candidate
 from tools.planning.obstacles import obstacles
-from tools.planning.rank_candidates import Ranked, estimate
+from tools.planning.rank_candidates import Ranked, estimate, lessons
 from tools.planning.remembered import RememberedGrasp
 from tools.planning.search import Posture, Search
 from tools.planning.shape_grasp import explain, shape_grasp
@@ -121,7 +121,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         subject=subject,
         constraints=args.constraints,
         correction=correction,
-        avoid=args.retrieval.avoid if args.retrieval and switches.prior == "experience" else (),
+        avoid=lessons(args.retrieval) if switches.prior == "experience" else (),
         neighbours_w=around.points_w,
         own_w=thinned(subject.surface_points(), OWN_POINTS),
         use_clearance=switches.clearance,

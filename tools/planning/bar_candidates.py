@@ -12,6 +12,7 @@ from tools.planning.body_candidates import palm_floor, side_floor, side_grips, t
 from tools.planning.candidate import (
     Candidate,
     degrees,
+    depth_of,
     horizontal,
     leaning,
     vec3,
@@ -73,7 +74,7 @@ def _loop_grip(
         yaw=wrap(yaw),
         width=handle.width,
         miss=max(0.0, abs(height - handle.centre[2]) - handle.length / 3),
-        depth=(height - subject.base_z) / max(subject.size[2], 1e-3),
+        depth=depth_of(subject, height),
         merit=-min(0.3, 6.0 * abs(height - handle.centre[2])) - (0.1 if "turn0" not in label else 0.0),
     )
 
@@ -116,7 +117,7 @@ def neck_candidates(subject: PerceivedObject, neck: Part) -> list[Candidate]:
                     approach=(0.0, 0.0, -1.0),
                     yaw=yaw,
                     width=neck.width,
-                    depth=(height - subject.base_z) / max(subject.size[2], 1e-3),
+                    depth=depth_of(subject, height),
                     merit=-0.1,
                 )
             )
@@ -144,7 +145,7 @@ def tool_candidates(subject: PerceivedObject, handle: Part) -> list[Candidate]:
                         yaw=closing,
                         width=handle.width,
                         miss=abs(share) * handle.length * 0.3 + max(0.0, height - handle.centre[2] - 0.008),
-                        depth=(height - subject.base_z) / max(subject.size[2], 1e-3),
+                        depth=depth_of(subject, height),
                         merit=-abs(abs(tilt) - math.radians(40)) * (0.5 if tilt else 0.0) - 0.4 * abs(share),
                     )
                 )

@@ -18,6 +18,7 @@ from tools.planning.candidate import (
     Array,
     Candidate,
     degrees,
+    depth_of,
     horizontal,
     leaning,
     vec3,
@@ -141,7 +142,7 @@ def _top(
         yaw=closing_yaw,
         width=width,
         miss=abs(offset) * 0.5 + overhang,
-        depth=(height - subject.base_z) / max(subject.size[2], 1e-3),
+        depth=depth_of(subject, height),
         merit=-0.35 * min(1.0, abs(tilt) / math.radians(35))
         - 1.6 * min(1.5, abs(offset) / 0.05)
         - (0.15 if small == (type_ == "power") else 0.0),
@@ -229,7 +230,7 @@ def side_grips(
                     yaw=wrap(bearing + math.pi / 2),
                     width=local,
                     miss=abs(actual - height) * 0.5,
-                    depth=(actual - subject.base_z) / max(subject.size[2], 1e-3),
+                    depth=depth_of(subject, actual),
                     merit=-0.25 * turn / math.radians(90)
                     - 0.2 * abs(dip - best_dip) / math.radians(20)
                     - min(0.4, 8.0 * abs(actual - height)),

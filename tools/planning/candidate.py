@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kb.base import Vec3
 from kb.experience import ApproachClass
 from kb.grasp import MAX_APERTURE
+from kb.percept import PerceivedObject
 from kb.vocabulary import GraspType, Region
 from sim.hand import PALM_ABOVE_TCP, TIP_BEYOND_TCP
 
@@ -70,6 +71,11 @@ class Candidate:
     def approach_class(self) -> ApproachClass:
         """Top, tilted or side."""
         return approach_class(self.tilt)
+
+
+def depth_of(subject: PerceivedObject, height: float) -> float:
+    """Height of the tool point over the object's base as a share of the object's height, in [0, 1]."""
+    return min(1.0, max(0.0, (height - subject.base_z) / max(subject.size[2], 1e-3)))
 
 
 def approach_class(tilt: float) -> ApproachClass:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kb.experience import RetrievedExperience
+from kb.experience import Retrieval, Strategy
 from kb.grasp import Grasp, Quality
 from kb.percept import PerceivedObject
+from kb.vocabulary import FailureType
 from sim.quality import Subject, grade
 from tools.planning.candidate import Candidate
 from tools.planning.constrain_candidates import Constrained
@@ -20,6 +21,10 @@ MERIT_WEIGHT = 0.25
 """Weight of the geometric preference among alike candidates."""
 AVOID_MALUS = 0.2
 """Malus of what failed in the same category's trials (ledger G14f: contrast)."""
+SAME_DEPTH = 0.12
+"""Tool points nearer than this share of the object's height are the same place."""
+FORCE_FAILURES: frozenset[FailureType] = frozenset({"SLIP", "DROP", "FORCE_DAMAGE", "DEFORMATION", "TIMEOUT"})
+"""Failures that a change of force or speed may cure, at the same place."""
 ROOMY = 0.02
 """Clearance beyond which more is no better [m] (phi_5)."""
 TIGHT_WEIGHT = 0.35
@@ -47,16 +52,39 @@ def agreement(candidate: Candidate, prior: GraspPrior) -> float:
     return total + TILT_WEIGHT * (1.0 - tilt_off) + DEPTH_WEIGHT * (1.0 - depth_off)
 
 
-def avoided(candidate: Candidate, avoid: tuple[RetrievedExperience, ...]) -> float:
+def lessons(retrieval: Retrieval | None) -> tuple[Strategy, ...]:
+    """Strategies of the same category that failed for where or how the hand closed (ledger G14f: contrast).
+
+    What failed for its force alone says nothing about the place, and a place where others succeeded is not bad.
+    """
+    if retrieval is None:
+        return ()
+    worked = [item.experience.strategy for item in retrieval.top if item.experience.success]
+    found: list[Strategy] = []
+    for item in retrieval.avoid:
+        entry = item.experience
+        main = max(entry.failures, key=lambda kind: entry.failures[kind], default="UNKNOWN")
+        misplaced = main not in FORCE_FAILURES
+        if item.s_cat >= 1.0 and misplaced and not any(same_way(entry.strategy, other) for other in worked):
+            found.append(entry.strategy)
+    return tuple(found)
+
+
+def same_way(one: Strategy, other: Strategy) -> bool:
+    """Whether two strategies hold the object alike, force aside."""
+    alike = (one.region, one.type, one.approach) == (other.region, other.type, other.approach)
+    return alike and abs(one.depth - other.depth) < SAME_DEPTH
+
+
+def avoided(candidate: Candidate, avoid: tuple[Strategy, ...]) -> float:
     """Malus of a candidate that repeats what failed for this very category."""
-    for item in avoid:
-        strategy = item.experience.strategy
-        same = (strategy.region, strategy.type, strategy.approach) == (
+    for strategy in avoid:
+        alike = (strategy.region, strategy.type, strategy.approach) == (
             candidate.region,
             candidate.type,
             candidate.approach_class,
         )
-        if item.s_cat >= 1.0 and same and abs(strategy.depth - candidate.depth) < 0.12:
+        if alike and abs(strategy.depth - candidate.depth) < SAME_DEPTH:
             return AVOID_MALUS
     return 0.0
 
@@ -83,7 +111,7 @@ def total_score(
     quality: Quality,
     item: Constrained,
     prior: GraspPrior,
-    avoid: tuple[RetrievedExperience, ...],
+    avoid: tuple[Strategy, ...],
     clearance: float,
 ) -> float:
     """Q + agreement with experience + geometric preference - constraints' maluses - tightness."""

@@ -15,6 +15,7 @@ from tools.planning.candidate import (
     Array,
     Candidate,
     degrees,
+    depth_of,
     horizontal,
     leaning,
     vec3,
@@ -91,7 +92,7 @@ def _rim_grip(
         yaw=wrap(azimuth),
         width=rim.width,
         room=min(0.080, room),
-        depth=(height - subject.base_z) / max(subject.size[2], 1e-3),
+        depth=depth_of(subject, height),
         merit=-min(0.6, abs(off_draft) / math.radians(30.0)),
     )
 

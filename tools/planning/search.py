@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kb.constraint import Constraints
-from kb.experience import RetrievedExperience
+from kb.experience import Strategy
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.sensing import Correction
@@ -44,7 +44,7 @@ class Search:
     subject: PerceivedObject
     constraints: Constraints
     correction: Correction | None
-    avoid: tuple[RetrievedExperience, ...]
+    avoid: tuple[Strategy, ...]
     neighbours_w: Array
     """Points of everything else, shape (N, 3) [m]."""
     own_w: Array
