@@ -14,7 +14,7 @@ import typer
 from app.commands import chat, doctor, kb, objects, run, scenes, show, tools
 from app.exit_codes import INTERRUPTED, USAGE, code_of_fault
 
-_ClickException = typer.BadParameter.__mro__[2]
+_ClickException: type[Exception] = typer.BadParameter.__mro__[2]
 """The root of typer's own usage errors; its import path differs between typer's versions, its place does not."""
 
 app = typer.Typer(

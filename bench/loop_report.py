@@ -73,7 +73,11 @@ def run_one(job: tuple[str, int, str, str, str]) -> Row:
         from agent import build_agent
 
         agent = build_agent(
-            scene=scene, seed=seed, perception=perception, evaluator=evaluator, configuration=configuration
+            scene=scene,
+            seed=seed,
+            perception=perception,  # pyright: ignore[reportArgumentType]
+            evaluator=evaluator,  # pyright: ignore[reportArgumentType]
+            configuration=configuration,
         )
         result = agent.run(instruction_of(scene, seed))
         row |= summary(json.loads(result.model_dump_json()))
@@ -227,7 +231,9 @@ def _times(rows: Sequence[Row], cold: Sequence[float]) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line of the measurement."""
-    parser = argparse.ArgumentParser(prog="python -m bench.loop_report", description=__doc__.split("\n", 1)[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m bench.loop_report", description="Measures the whole loop over scenes and seeds."
+    )
     parser.add_argument("--seeds", required=True, help="for example 10000-10009")
     parser.add_argument("--scenes", default=",".join(SINGLE + INTERACTION), help="comma-separated (default: SG and IT)")
     parser.add_argument("--perception", default="rgbd")

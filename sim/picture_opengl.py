@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from ctypes.util import find_library
 from typing import Any, Literal
 
 import mujoco
@@ -14,8 +15,8 @@ from numpy.typing import NDArray
 from sim.viewpoint import Viewpoint
 
 Backend = Literal["egl", "osmesa"]
-BACKENDS: tuple[Backend, ...] = ("egl", "osmesa")
-"""Off-screen OpenGL of MuJoCo: EGL (also on machines without a display) and Mesa's OSMesa."""
+BACKENDS: dict[Backend, str] = {"egl": "EGL", "osmesa": "OSMesa"}
+"""Off-screen OpenGL of MuJoCo, EGL (also on machines without a display) and Mesa's OSMesa, and its library."""
 MAX_GEOMS = 5000
 NEAR, FAR = 0.02, 12.0
 """Clipping distances [m]."""
@@ -35,17 +36,19 @@ def open_context(width: int, height: int) -> tuple[Any, Backend]:
         raise NoOpenGLError(f"off-screen OpenGL is not used on {sys.platform}")
     wanted = (os.environ.get("RAGVLM_OPENGL") or os.environ.get("MUJOCO_GL", "")).lower()
     answers: list[str] = []
-    for backend in [b for b in BACKENDS if wanted in ("", b)]:
-        platform = os.environ.get("PYOPENGL_PLATFORM")
+    for backend, library in BACKENDS.items():
+        if wanted not in ("", backend):
+            continue
+        if find_library(library) is None:
+            # Not even tried: a failed import of PyOpenGL cannot be taken back and would spoil the next backend.
+            answers.append(f"{backend}: there is no lib{library}")
+            continue
         try:
             context = importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
             context.make_current()
             return context, backend
         except Exception as error:  # PyOpenGL raises whatever its loader met
             answers.append(f"{backend}: {' '.join(str(error).split())[:120]}")
-            if platform is None:
-                # A failed import leaves its choice behind, which would forbid the next backend.
-                os.environ.pop("PYOPENGL_PLATFORM", None)
     raise NoOpenGLError("; ".join(answers) or f"MUJOCO_GL={wanted} is not an off-screen backend")
 
 
@@ -58,6 +61,8 @@ class OpenGLPainter:
         Raises:
             NoOpenGLError: no backend works.
         """
+        self._gl: Any
+        self.backend: Backend
         self._gl, self.backend = open_context(width, height)
         self._model = model
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)

@@ -115,7 +115,9 @@ class RayPainter:
             colour[glass] = self._glaze(hits, glass, rays, colour[glass], through)
         return _tone(colour), hits.geom
 
-    def _glaze(self, hits: _Hits, glass: NDArray[np.int64], rays: Array, own: Array, through: Array) -> Array:
+    def _glaze(
+        self, hits: _Hits, glass: NDArray[np.int64], rays: NDArray[np.float64], own: Array, through: Array
+    ) -> Array:
         """Glass: what is behind it, tinted, and more of its own colour where it is seen at a slant (Fresnel)."""
         cosine = np.abs(np.einsum("ij,ij->i", hits.normal[glass], rays[glass].astype(np.float32)))
         alpha = self._alpha[hits.geom[glass]]
@@ -186,8 +188,8 @@ class RayPainter:
         target = np.asarray(viewpoint.target, np.float64)
         key = _key_points(target, viewpoint, finish.key_rays)
         diffuse = np.zeros_like(point)
-        gloss = np.zeros(len(point), np.float32)
-        warm = _rgb(1.0, 0.965, 0.91) * 1.75
+        gloss: Array = np.zeros(len(point), np.float32)
+        warm = _rgb(1.0, 0.965, 0.91) * 1.95
         for lamp in key:
             share, towards = self._arrives(lamp, point, normal)
             diffuse += share[:, None] * warm / len(key)
@@ -197,13 +199,13 @@ class RayPainter:
         up = 0.5 + 0.5 * normal[:, 2:3]
         sky, ground = _rgb(0.80, 0.90, 1.05), _rgb(0.50, 0.47, 0.44)
         if finish.sky_rays == 0:
-            return diffuse + 0.62 * (sky * up + ground * (1 - up)), gloss
+            return (diffuse + 0.62 * (sky * up + ground * (1 - up))).astype(np.float32), gloss
         dome = _dome(target, finish.sky_rays)
         open_sky = np.zeros(len(point), np.float32)
         for lamp in dome:
             open_sky += self._arrives(lamp, point, normal)[0]
-        diffuse += open_sky[:, None] * sky * (1.35 / len(dome)) + 0.22 * (sky * up + 1.3 * ground * (1 - up))
-        return diffuse, gloss
+        diffuse += open_sky[:, None] * sky * (1.15 / len(dome)) + 0.22 * (sky * up + 1.3 * ground * (1 - up))
+        return diffuse.astype(np.float32), gloss
 
     def _arrives(self, lamp: NDArray[np.float64], point: Array, normal: Array) -> tuple[Array, Array]:
         """Cosine-weighted light of one lamp (3,) at points (N, 3), zero in shadow, and the directions to it (N, 3)."""
@@ -247,7 +249,7 @@ def _backdrop(rays: NDArray[np.float64]) -> Array:
     """A quiet studio gradient by elevation, linear colours (N, 3)."""
     lift = np.clip(rays[:, 2].astype(np.float32) * 1.2 + 0.55, 0, 1)[:, None]
     low, high = _rgb(0.72, 0.79, 0.88), _rgb(1.25, 1.30, 1.36)
-    return low * (1 - lift) + high * lift
+    return (low * (1 - lift) + high * lift).astype(np.float32)
 
 
 def _key_points(target: NDArray[np.float64], viewpoint: Viewpoint, count: int) -> NDArray[np.float64]:
