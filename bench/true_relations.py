@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from kb.scene_graph import SceneEdge, SceneGraph, SceneNode
 from kb.viewpoint import EYE
 from kb.vocabulary import INVERSE, ObjectState, Relation
 from tools.build_scene_graph import DELTA_CHECK, TOUCH
+from tools.perception.upright_box import box_at, smallest_yaw
 from tools.scene_relations import approach
 from tools.scene_relations.direction import is_behind, is_left_of
 from tools.scene_relations.leaning import STANDING, TILT
@@ -52,9 +54,10 @@ class TrueThing:
     def high(self) -> float:
         return float(self.surface[:, 2].max())
 
-    @property
+    @cached_property
     def centre(self) -> tuple[float, float, float]:
-        middle = (self.surface.min(axis=0) + self.surface.max(axis=0)) / 2.0
+        """Centre of the smallest upright box, which is what a percept calls position [m]."""
+        middle = box_at(self.surface, smallest_yaw(self.surface)[0]).centre
         return float(middle[0]), float(middle[1]), float(middle[2])
 
     @property
