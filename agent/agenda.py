@@ -10,7 +10,7 @@ from dataclasses import replace
 from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_EXTRA_ACTIONS
-from agent.state import State, Update
+from agent.state import State, Update, merged
 from kb.percept import PerceivedObject, Percept
 from kb.scene_graph import SceneGraph
 
@@ -33,7 +33,7 @@ def ordered(goals: tuple[Goal, ...]) -> tuple[int, ...]:
 
 def fresh() -> Update:
     """The update that clears what belonged to the last goal."""
-    return Update(**_FRESH)
+    return _FRESH.copy()
 
 
 def changed(state: State, goal: Goal) -> tuple[Goal, ...]:
@@ -46,7 +46,7 @@ def push(state: State, goal: Goal) -> Update:
     """Adds a sub-goal and puts it in work."""
     index = len(state.goals)
     pushed = goal.model_copy(update={"parent": state.agenda[-1]})
-    return Update(goals=(*state.goals, pushed), agenda=(*state.agenda, index), **fresh())
+    return merged(Update(goals=(*state.goals, pushed), agenda=(*state.agenda, index)), fresh())
 
 
 def finish(state: State, *, claimed: bool, note: str = "") -> Update:
@@ -60,7 +60,8 @@ def finish(state: State, *, claimed: bool, note: str = "") -> Update:
         below = replace(state, goals=goals, agenda=agenda)
         why = f"{describe(goal)} had to come first, and that failed" + (f": {note}" if note else "")
         return finish(below, claimed=False, note=why)
-    return Update(goals=goals, agenda=agenda, last_target=goal.target or state.last_target, **fresh())
+    over = Update(goals=goals, agenda=agenda, last_target=goal.target or state.last_target)
+    return merged(over, fresh())
 
 
 def describe(goal: Goal) -> str:

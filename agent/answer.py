@@ -8,7 +8,9 @@ from agent import phrases
 from agent.attempt import Attempt
 from agent.brain import Situation, Spoken
 from agent.goal import Goal, Query
-from agent.language.resolve import Scope, describe, leftness, listing, resolve, spoken
+from agent.language.describe import describe, listing, spoken
+from agent.language.resolve import Scope, resolve
+from agent.language.single_out import leftness
 from kb.grasp import GraspField, Provenance
 from kb.percept import PerceivedObject
 from prompts import load_prompt

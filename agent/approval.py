@@ -59,9 +59,11 @@ def apply_decision(plan: Plan, decision: Decision) -> Plan:
     fields: tuple[GraspField, ...] = (
         "position", "approach", "yaw", "aperture", "force", "type", "standoff", "speed",
     )  # fmt: skip
-    changed = {f for f in fields if getattr(plan.grasp, f) != getattr(decision.grasp, f)}
+    changed = [f for f in fields if getattr(plan.grasp, f) != getattr(decision.grasp, f)]
     if not changed:
         return plan
-    said = {f: Provenance(source="correction", id="person", value=getattr(decision.grasp, f)) for f in changed}
-    provenance = {**plan.provenance, **{f: (*plan.provenance.get(f, ()), said[f]) for f in sorted(changed)}}
+    provenance = dict(plan.provenance)
+    for field in changed:
+        said = Provenance(source="correction", id="person", value=getattr(decision.grasp, field))
+        provenance[field] = (*provenance.get(field, ()), said)
     return plan.model_copy(update={"grasp": decision.grasp, "provenance": provenance, "joints": ()})

@@ -7,7 +7,7 @@ from typing import Any
 
 from langgraph.graph import StateGraph
 
-from agent import nodes, routing
+from agent import motions, nodes, routing
 from agent.context import AgentContext
 from agent.simulate import simulate
 from agent.state import State
@@ -26,8 +26,8 @@ def wire(
     graph = StateGraph(State, context_schema=schema)
     for node in (
         nodes.understand, nodes.look, nodes.ground, nodes.retrieve, nodes.build_graph, nodes.constrain, nodes.remove_first,
-        nodes.choose, nodes.plan, nodes.look_once_more, nodes.think, nodes.rehearse, nodes.approve, nodes.act,
-        nodes.look_after, nodes.observe, nodes.set_back, nodes.reflect, nodes.remember, nodes.place, nodes.give_up,
+        nodes.choose, nodes.plan, nodes.look_once_more, nodes.think, nodes.rehearse, motions.approve, motions.act,
+        motions.look_after, motions.observe, motions.set_back, motions.reflect, motions.remember, motions.place, nodes.give_up,
         nodes.conclude, nodes.answer, simulate,
     ):  # fmt: skip
         graph.add_node(node.__name__, wrap(node))

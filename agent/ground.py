@@ -8,8 +8,9 @@ from agent import events
 from agent.agenda import changed, finish, fresh, push, put_back
 from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_RELOOKS
-from agent.language.resolve import Resolution, Scope, describe, listing, resolve, spoken
-from agent.state import State, Update
+from agent.language.describe import describe, listing, spoken
+from agent.language.resolve import Resolution, Scope, resolve
+from agent.state import State, Update, merged
 from kb.percept import PerceivedObject, Percept
 
 SAME_PLACE = 0.15
@@ -174,7 +175,7 @@ def _over(state: State, text: str) -> Grounded:
     """The goal in work cannot be done; if nothing has moved yet this is the answer, too."""
     update = finish(state, claimed=False, note=text)
     if not state.executed:
-        update = Update(**{**update, "refused": True, "answer": text, "agenda": ()})
+        update = merged(update, Update(refused=True, answer=text, agenda=()))
     return Grounded(update, (events.Grounding(text=text, goal=state.current),))
 
 
@@ -241,7 +242,9 @@ def _many(state: State, percept: Percept) -> Grounded:
     fixed = goal.model_copy(update={"reference": reference.model_copy(update={"ids": ids, "plural": True})})
     names = ", ".join(percept.object(i).category.replace("_", " ") for i in ids)
     text = f"In this order, from your left to your right: {names}." if goal.kind == "sort" else f"That is: {names}."
-    return Grounded(Update(goals=changed(state, fixed), **fresh()), (events.Grounding(text=text, goal=state.current),))
+    return Grounded(
+        merged(Update(goals=changed(state, fixed)), fresh()), (events.Grounding(text=text, goal=state.current),)
+    )
 
 
 def _fragility(obj: PerceivedObject) -> float:

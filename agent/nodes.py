@@ -8,30 +8,19 @@ from __future__ import annotations
 
 from langchain_core.messages import AIMessage, HumanMessage
 from langgraph.runtime import Runtime
-from langgraph.types import interrupt
 
 from agent import agenda, events, phrases
 from agent.agenda import finish, push
-from agent.approval import Decision, apply_decision, proposal
-from agent.attempt import Attempt, Held
 from agent.brain import Situation
-from agent.compare_looks import compare_looks
 from agent.context import AgentContext
-from agent.episode import history, recalled, with_success
+from agent.episode import recalled
 from agent.ground import ground_goals
-from agent.ladder import budget, irreversible, level_of
-from agent.placing import place_args, put_back_args
-from agent.state import State, Update
+from agent.state import State, Update, merged
 from kb.constraint import Constraints
-from kb.sensing import Evidence
 from memory import EpisodicMemory
 from tools.build_scene_graph import SceneGraphArgs, build_scene_graph
-from tools.classify_failure import ClassifyArgs, classify_failure
-from tools.correct_grasp import CorrectArgs, correct_grasp
-from tools.execute_grasp import ExecuteArgs, execute_grasp
 from tools.infer_constraints import ConstraintArgs, infer_constraints
 from tools.perceive import PerceiveArgs, perceive
-from tools.place_object import place_object
 from tools.plan_grasp import PlanArgs, plan_grasp
 from tools.planning.remembered import RememberedGrasp
 from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
@@ -72,26 +61,28 @@ def understand(state: State, runtime: Run) -> Update:
         got = context.brain.understand(situation(state, context))
     said = HumanMessage(state.instruction, id=f"turn-{turn}-person")
     context.emit(events.Understood(text=phrases.understood(got), goals=got.goals))
-    return Update(
-        scene=context.scene,
-        seed=context.seed,
-        turn=turn,
-        messages=[said],
-        goals=got.goals,
-        agenda=agenda.ordered(got.goals),
-        answer=got.refusal or got.question or "",
-        question=got.question,
-        refused=got.refusal is not None or got.question is not None,
-        executed=False,
-        extra_actions=0,
-        motions={},
-        pending=None,
-        graph=None,
-        shown=None,
-        constraints=Constraints(),
-        memory=context.start_memory or EpisodicMemory(),
-        times=times,
-        **agenda.fresh(),
+    return merged(
+        Update(
+            scene=context.scene,
+            seed=context.seed,
+            turn=turn,
+            messages=[said],
+            goals=got.goals,
+            agenda=agenda.ordered(got.goals),
+            answer=got.refusal or got.question or "",
+            question=got.question,
+            refused=got.refusal is not None or got.question is not None,
+            executed=False,
+            extra_actions=0,
+            motions={},
+            pending=None,
+            graph=None,
+            shown=None,
+            constraints=Constraints(),
+            memory=context.start_memory or EpisodicMemory(),
+            times=times,
+        ),
+        agenda.fresh(),
     )
 
 
@@ -157,7 +148,7 @@ def remove_first(state: State, runtime: Run) -> Update:
     if sub is None:
         return finish(state, claimed=False, note="too many things stand on it")
     runtime.context.emit(events.SubGoal(text=phrases.removal(sub, state), goal=state.current, pushed=sub))
-    return Update(extra_actions=state.extra_actions + 1, **push(state, sub))
+    return merged(Update(extra_actions=state.extra_actions + 1), push(state, sub))
 
 
 def choose(state: State, runtime: Run) -> Update:
@@ -216,8 +207,8 @@ def think(state: State, runtime: Run) -> Update:
     context.emit(events.Thought(text=thought.text, goal=state.current, level=state.level, attempt=number))
     if thought.choice in ("give_up", "ask"):
         asked = thought.question if thought.choice == "ask" else None
-        return Update(
-            thought=thought.text, question=asked, times=times, **finish(state, claimed=False, note=thought.text)
+        return merged(
+            Update(thought=thought.text, question=asked, times=times), finish(state, claimed=False, note=thought.text)
         )
     return Update(thought=thought.text, times=times)
 
@@ -229,203 +220,9 @@ def rehearse(state: State, runtime: Run) -> Update:
         goal.model_copy(update={"status": "done", "claimed": True, "note": "planned, not executed"})
         if goal.status == "open"
         else goal
-        for goal in update["goals"]
+        for goal in update.get("goals", ())
     )
-    return Update(**{**update, "goals": goals, "agenda": (), "plan": state.plan})
-
-
-def approve(state: State, runtime: Run) -> Update:
-    """A person decides about the motion; the graph waits here, even over a restart."""
-    assert state.plan is not None
-    decision = Decision.model_validate(interrupt(proposal(state)))
-    text = phrases.decided(decision)
-    runtime.context.emit(events.Approval(text=text, goal=state.current, plan=state.plan, decision=decision.verdict))
-    if decision.verdict == "reject":
-        return Update(agenda=(), goals=finish(state, claimed=False, note="you did not approve it")["goals"])
-    return Update(plan=apply_decision(state.plan, decision))
-
-
-def act(state: State, runtime: Run) -> Update:
-    """Action: the robot moves."""
-    context, times = runtime.context, dict[str, float]()
-    assert state.plan is not None
-    assert state.percept is not None
-    assert state.goal.target is not None
-    opened = context.world.at(state.world)
-    number = state.attempts[-1].number + 1 if state.attempts else 0
-    context.emit(
-        events.Action(
-            text=phrases.action(state.plan, state.level),
-            goal=state.current,
-            tool="execute_grasp",
-            plan=state.plan,
-            level=state.level,
-            attempt=len(state.tries()),
-            motion=opened.motions,
-        )
-    )
-    context.world.moving()
-    args = ExecuteArgs(plan=state.plan, percept=state.percept, target=state.goal.target)
-    with context.timed("execution", times):
-        sensing = execute_grasp(args, context.tool("act", number))
-    motion = opened.motions
-    attempt = Attempt(
-        number=number, turn=state.turn, goal=state.agenda[-1], level=state.level, plan=state.plan,
-        target=phrases.target_of(state), percept=state.percept, constraints=state.constraints, sensing=sensing, correction=state.correction,
-        thought=state.thought, motion=motion, before=context.world.before(state.world),
-    )  # fmt: skip
-    return Update(
-        sensing=sensing, camera=None, attempts=(attempt,), world=context.world.moved(), stale=True, executed=True,
-        before=state.percept, times=times,
-    )  # fmt: skip
-
-
-def look_after(state: State, runtime: Run) -> Update:
-    """Not sure, or failed: look, for the diagnosis now and for the next attempt (ledger G46)."""
-    assert state.before is not None
-    assert state.goal.target is not None
-    update = look(state, runtime)
-    after = update["percept"]
-    assert after is not None
-    camera = compare_looks(state.before, after, state.goal.target)
-    return Update(**{**update, "camera": camera})
-
-
-def observe(state: State, runtime: Run) -> Update:
-    """Observation: success or which of the 14 failures, from the robot's own sensing alone."""
-    context, times = runtime.context, dict[str, float]()
-    attempt = state.attempts[-1]
-    assert state.before is not None
-    args = ClassifyArgs(
-        plan=attempt.plan,
-        evidence=Evidence(sensing=attempt.sensing, camera=state.camera),
-        constraints=state.constraints,
-        target=attempt.target,
-        percept=state.before,
-    )
-    with context.timed("brain", times):
-        diagnosis = classify_failure(args, context.tools)
-    if not diagnosis.claimed and context.oracle_failure is not None:
-        diagnosis = diagnosis.model_copy(
-            update={"failure": context.oracle_failure(attempt.motion) or diagnosis.failure}
-        )
-    judged = attempt.model_copy(
-        update={
-            "camera": state.camera, "claimed": diagnosis.claimed, "failure": diagnosis.failure,
-            "confidence": diagnosis.confidence, "reasons": diagnosis.reasons,
-        }
-    )  # fmt: skip
-    if diagnosis.claimed or state.camera is not None:
-        context.emit(
-            events.Observation(
-                text=phrases.observed(judged),
-                goal=state.current,
-                sensing=attempt.sensing,
-                claimed=diagnosis.claimed,
-                failure=diagnosis.failure,
-                attempt=len(state.tries()) - 1,
-            )
-        )
-    return Update(diagnosis=diagnosis, attempts=(judged,), times=times)
-
-
-def set_back(state: State, runtime: Run) -> Update:
-    """After a failure something may still hang in the hand: it goes back onto the table before anybody looks."""
-    context, last, times = runtime.context, state.attempts[-1], dict[str, float]()
-    opened = context.world.at(state.world)
-    if not opened.robot.holding or context.stopped:
-        return Update()
-    context.emit(
-        events.Action(
-            text="I put back what is in my hand.", goal=state.current, tool="place_object", motion=opened.motions + 1
-        )
-    )
-    context.world.moving()
-    with context.timed("execution", times):
-        place_object(put_back_args(last), context.tool("place", opened.motions))
-        if opened.robot.holding:  # no free place: better let go here than carry it into the next attempt
-            opened.robot.release_and_home()
-    return Update(world=context.world.moved(), stale=True, times=times)
-
-
-def reflect(state: State, runtime: Run) -> Update:
-    """Reflection: the correction at the level of the next attempt, or an honest end."""
-    context, times = runtime.context, dict[str, float]()
-    tries, last = state.tries(), state.attempts[-1]
-    broken = irreversible(last.target, state.camera)
-    if broken or len(tries) >= budget(context.switches) or context.stopped:
-        why = broken or ("stopped" if context.stopped else phrases.exhausted(tries))
-        context.emit(events.Reflection(text=phrases.give_up(why, last), goal=state.current, level=state.level))
-        held = None
-        if context.world.at(state.world).robot.holding:  # stopped in the middle: the next command must know
-            held = Held(plan=last.plan, object=last.target, category=last.target.category, motion=last.motion)
-        return Update(held=held, **finish(state, claimed=False, note=why))
-    level, offered = level_of(len(tries), context.switches), None
-    if context.switches.diagnosis_used:
-        args = CorrectArgs(
-            failure=last.failure or "UNKNOWN",
-            level=level,
-            plan=last.plan,
-            evidence=Evidence(sensing=last.sensing, camera=state.camera),
-            retrieval=state.experiences,
-            constraints=state.constraints,
-            history=history(state),
-        )
-        with context.timed("brain", times):
-            offered = correct_grasp(args, context.tool("correct", last.number))
-    with context.timed("brain", times):
-        reflected = context.brain.reflect(situation(state, context), offered)
-    context.emit(
-        events.Reflection(text=reflected.text, goal=state.current, correction=reflected.correction, level=level)
-    )
-    if reflected.give_up:
-        return Update(times=times, **finish(state, claimed=False, note=reflected.text))
-    return Update(correction=reflected.correction, level=level, times=times)
-
-
-def remember(state: State, runtime: Run) -> Update:
-    """Success: M <- M + (category, strategy); the object is in the hand now."""
-    context, last = runtime.context, state.attempts[-1]
-    held = Held(
-        plan=last.plan,
-        object=last.target,
-        category=last.target.category,
-        load=last.sensing.load_end,
-        motion=last.motion,
-    )
-    memory = with_success(state) if context.switches.memory else state.memory
-    if context.switches.memory:
-        context.emit(
-            events.Remembered(text=phrases.remembered(last), goal=state.current, category=last.target.category)
-        )
-    update = Update(memory=memory, held=held)
-    if state.goal.placement is not None:
-        return update
-    return Update(**{**update, **finish(state, claimed=True)})
-
-
-def place(state: State, runtime: Run) -> Update:
-    """Puts down (or hands over) what is in the hand."""
-    context, times = runtime.context, dict[str, float]()
-    assert state.held is not None
-    opened = context.world.at(state.world)
-    context.emit(
-        events.Action(
-            text=phrases.placing(state.goal, state.held), goal=state.current, tool="place_object", motion=opened.motions
-        )
-    )
-    context.world.moving()
-    with context.timed("execution", times):
-        sensing = place_object(place_args(state), context.tool("place", opened.motions))
-    claimed, note = phrases.placed(sensing, state.goal)
-    context.emit(events.Observation(text=note, goal=state.current, sensing=sensing, claimed=claimed))
-    handed = claimed and state.goal.placement is not None and state.goal.placement.kind == "hand_over"
-    update = Update(
-        world=context.world.moved(), stale=True, executed=True, sensing=sensing,
-        held=state.held.model_copy(update={"handed_over": True}) if handed else None,
-        motions={**state.motions, state.agenda[-1]: opened.motions}, times=times,
-    )  # fmt: skip
-    return Update(**{**update, **finish(state, claimed=claimed, note="" if claimed else note)})
+    return merged(update, Update(goals=goals, agenda=(), plan=state.plan))
 
 
 def give_up(state: State, runtime: Run) -> Update:

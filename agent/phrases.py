@@ -7,7 +7,8 @@ import math
 from agent.approval import Decision
 from agent.attempt import Attempt, Held
 from agent.goal import Goal, Understanding
-from agent.language.resolve import describe, leftness, listing, spoken
+from agent.language.describe import describe, listing, spoken
+from agent.language.single_out import leftness
 from agent.state import State
 from kb.constraint import Constraints
 from kb.experience import Retrieval

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 from langchain_core.runnables import RunnableConfig
 from langgraph.runtime import Runtime
@@ -55,7 +55,7 @@ def served(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(function)
     def called(state: State, runtime: Runtime[Settings], config: RunnableConfig) -> Any:
-        return function(state, runtime.override(context=context_of(runtime.context, config)))
+        return function(state, cast(Any, runtime).override(context=context_of(runtime.context, config)))
 
     called.__annotations__ = {"state": State, "runtime": Runtime[Settings], "config": RunnableConfig}
     called.__annotations__["return"] = get_type_hints(function)["return"]

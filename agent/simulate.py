@@ -9,7 +9,7 @@ from agent.agenda import finish
 from agent.attempt import Attempt
 from agent.context import AgentContext
 from agent.draws import draws
-from agent.state import State, Update
+from agent.state import State, Update, merged
 from kb.percept import Percept
 from kb.sensing import Evidence, Plan
 from tools.classify_failure import ClassifyArgs, Diagnosis, classify_failure
@@ -37,7 +37,7 @@ def simulate(state: State, runtime: Runtime[AgentContext]) -> Update:
     context.emit(
         events.Observation(text=note, goal=state.current, claimed=diagnosis.claimed, failure=diagnosis.failure)
     )
-    return Update(times=times, **finish(state, claimed=True, note=note))
+    return merged(Update(times=times), finish(state, claimed=True, note=note))
 
 
 def last_grasp(state: State) -> Attempt | None:

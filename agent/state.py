@@ -144,3 +144,11 @@ class Update(TypedDict, total=False):
     answer: str
     question: str | None
     times: dict[str, float]
+
+
+def merged(*updates: Update) -> Update:
+    """One update out of several; later ones count."""
+    result = Update()
+    for update in updates:
+        result.update(update)
+    return result

@@ -45,13 +45,12 @@ class RulesBrain:
         numbers = _numbers(plan)
         if situation.tries and situation.tries[-1].failure is not None:
             last = situation.tries[-1]
-            rule = situation.tries and _rule(situation)
             text = render(
                 "thought/retry",
                 number=str(len(situation.tries)),
                 failure=phrases.plain(last.failure or "UNKNOWN").lower(),
                 level=str(situation.level),
-                rule=rule or "a fresh grasp",
+                rule=_rule(situation),
                 **numbers,
             )
             return Deliberation(text=text)

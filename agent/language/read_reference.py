@@ -7,31 +7,11 @@ from typing import Any
 
 from agent.goal import Reference, RelationTo, RelationWord
 from agent.language import lexicon
+from agent.language.cut_phrase import ARTICLES, TABLE, split_exceptions, split_list, split_relation
 from agent.language.words import singular
 
-ARTICLES = (
-    "the",
-    "that",
-    "this",
-    "these",
-    "those",
-    "my",
-    "your",
-    "our",
-    "its",
-    "his",
-    "her",
-    "of",
-    "same",
-    "very",
-    "up",
-)
 INDEFINITE = ("a", "an", "any", "some", "either", "whichever")
 PRONOUNS = ("it", "that", "this", "them", "him", "these", "those", "that one", "this one")
-EXCEPT = (
-    "except for", "except", "apart from", "other than", "but not", "but", "without", "excluding", "not including", "save",
-    "besides", "rather than", "instead of", "and not", "not",
-)  # fmt: skip
 CLAUSE_WORDS = ("that", "which", "who", "is", "are", "was", "were", "standing", "lying", "sitting", "placed", "located",
                 "you", "see", "can", "there", "currently", "situated", "here")  # fmt: skip
 STATES = {"filled": "filled", "full": "filled", "empty": "empty"}
@@ -52,7 +32,6 @@ UNITS = (
     "mm",
     "n",
 )
-TABLE = ("table", "desk", "tabletop", "surface", "scene", "workspace", "floor", "counter")
 
 
 @dataclass
@@ -72,8 +51,8 @@ def read_reference(tokens: list[str]) -> Reading:
     left in `unknown`. The caller decides whether that is still understandable.
     """
     reading = Reading()
-    tokens, excluded = _split_exceptions(tokens)
-    head, relation, others = _split_relation(tokens)
+    tokens, excluded = split_exceptions(tokens)
+    head, relation, others = split_relation(tokens)
     _read_head(head, reading)
     if relation is not None:
         _read_relation(relation, others, reading)
@@ -101,67 +80,8 @@ def is_reference(reading: Reading) -> bool:
     return any(reading.found.get(key) for key in keys)
 
 
-def _split_exceptions(tokens: list[str]) -> tuple[list[str], list[list[str]]]:
-    """Cuts at "except", "but not", ", not the mug": (what is meant, what is not)."""
-    for start in range(len(tokens)):
-        for phrase in EXCEPT:
-            parts = phrase.split()
-            if tokens[start : start + len(parts)] == parts and start + len(parts) < len(tokens):
-                kept, rest = tokens[:start], tokens[start + len(parts) :]
-                if phrase == "not" and not kept:
-                    # "not the mug , the cup": the correction follows after a comma or "but".
-                    for cut in (",", "but"):
-                        if cut in rest:
-                            at = rest.index(cut)
-                            return rest[at + 1 :], [rest[:at]]
-                if phrase == "not" and kept and kept[-1] in ("is", "are"):
-                    kept = [t for t in kept[:-1] if t not in ("that", "which")]
-                while kept and kept[-1] == ",":
-                    kept = kept[:-1]
-                if kept:
-                    return kept, _split_list(rest)
-    return tokens, []
-
-
-def _split_list(tokens: list[str]) -> list[list[str]]:
-    parts: list[list[str]] = [[]]
-    for token in tokens:
-        if token in (",", "and", "or", "nor"):
-            parts.append([])
-        else:
-            parts[-1].append(token)
-    return [part for part in parts if part]
-
-
-def _split_relation(tokens: list[str]) -> tuple[list[str], RelationWord | None, list[str]]:
-    """Cuts at the first relation that has a reference behind it: (head, relation, what it relates to)."""
-    for start in range(len(tokens)):
-        for phrase, relation in lexicon.RELATIONS:
-            parts = phrase.split()
-            rest = tokens[start + len(parts) :]
-            if tokens[start : start + len(parts)] != parts or not rest:
-                continue
-            if start == 0 and phrase in ("nearest", "closest", "next", "above", "before", "at"):
-                continue
-            if phrase in ("next", "at", "before") and rest[0] in ("one", "to"):
-                continue
-            bare = [t for t in rest if t not in ARTICLES]
-            if bare and bare[0] in TABLE:  # "on the table" tells nothing
-                return _split_relation(tokens[:start] + rest[rest.index(bare[0]) + 1 :])
-            if bare and (bare[0] in lexicon.SIDES or bare[0] in lexicon.EXTREMES) and relation in ("on", "in", "near"):
-                continue  # "on the left", "at the front": a side, read with the head
-            if (
-                phrase in ("nearest", "closest", "nearest to", "closest to")
-                and bare
-                and bare[0] in ("me", "you", "robot")
-            ):
-                continue
-            return tokens[:start], relation, rest
-    return tokens, None, []
-
-
 def _read_relation(relation: RelationWord, others: list[str], reading: Reading) -> None:
-    groups = _split_list(others) if relation == "between" else [others]
+    groups = split_list(others) if relation == "between" else [others]
     named: list[Reference] = []
     for group in groups:
         inner = read_reference(group)

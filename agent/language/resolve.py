@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from agent.goal import Extreme, Reference, RelationWord
+from agent.goal import Reference, RelationWord
 from agent.language import lexicon
+from agent.language.describe import absent, spoken
+from agent.language.single_out import single_out
 from kb.base import Noun
 from kb.percept import PerceivedObject, Percept
-from kb.viewpoint import BEHIND, LEFT
 from kb.vocabulary import UNKNOWN_CATEGORY
 from tools.scene_relations.direction import is_behind, is_left_of
 
@@ -18,8 +19,6 @@ POSSIBLE = 0.10
 """Posterior from which a category may be what the person calls the object by."""
 NEAR = 0.20
 """Surface distance within which things are "next to" each other [m]; the nearest counts where several are."""
-NOTICEABLE = 1.15
-"""Ratio of sizes (or masses) from which one of two things is "the big one"."""
 
 
 class Resolution(Noun):
@@ -65,20 +64,20 @@ def resolve(reference: Reference, scope: Scope) -> Resolution:
         return Resolution(problem="I see nothing on the table.")
     found, note = _by_noun(reference, scope)
     if not found:
-        return Resolution(problem=absent(reference, scope))
+        return Resolution(problem=absent(reference, scope.objects))
     for keep in (_colour, _material, _state, _excluding, _other):
         found = keep(reference, found, scope)
         if not found:
-            return Resolution(problem=absent(reference, scope))
+            return Resolution(problem=absent(reference, scope.objects))
     if reference.relation is not None:
         found, problem = _related(reference, found, scope)
         if not found:
-            return Resolution(problem=problem or absent(reference, scope))
+            return Resolution(problem=problem or absent(reference, scope.objects))
     if reference.plural and reference.extreme is None and reference.ordinal is None and reference.side is None:
         return Resolution(ids=tuple(o.id for o in found), note=note)
-    found = _single_out(reference, found)
+    found = single_out(reference, found)
     if not found:
-        return Resolution(problem=absent(reference, scope))
+        return Resolution(problem=absent(reference, scope.objects))
     if len(found) > 1 and reference.anyone:
         found = [min(found, key=lambda o: (math.hypot(o.position[0], o.position[1]), o.id))]
     return Resolution(ids=tuple(o.id for o in found), note=note)
@@ -248,124 +247,3 @@ def _between(o: PerceivedObject, a: PerceivedObject, b: PerceivedObject) -> bool
     t = ((o.position[0] - ax) * (bx - ax) + (o.position[1] - ay) * (by - ay)) / length
     off = math.hypot(o.position[0] - ax - t * (bx - ax), o.position[1] - ay - t * (by - ay))
     return 0.1 < t < 0.9 and off < 0.10
-
-
-_MEASURE: dict[Extreme, Callable[[PerceivedObject], float]] = {
-    "biggest": lambda o: o.size[0] * o.size[1] * o.size[2],
-    "smallest": lambda o: -(o.size[0] * o.size[1] * o.size[2]),
-    "tallest": lambda o: max(o.size),
-    "shortest": lambda o: -max(o.size),
-    "widest": lambda o: o.size[0] * o.size[1],
-    "thinnest": lambda o: -o.size[1],
-    "heaviest": lambda o: sum(o.mass),
-    "lightest": lambda o: -sum(o.mass),
-    "most_fragile": lambda o: o.affordance.fragility,
-    "least_fragile": lambda o: -o.affordance.fragility,
-    "leftmost": lambda o: leftness(o),
-    "rightmost": lambda o: -leftness(o),
-    "nearest": lambda o: -farness(o),
-    "farthest": lambda o: farness(o),
-    "middle": lambda o: 0.0,
-}
-_QUALITY: dict[str, Extreme] = {
-    "big": "biggest", "small": "smallest", "tall": "tallest", "short": "shortest", "fragile": "most_fragile",
-    "heavy": "heaviest", "light": "lightest",
-}  # fmt: skip
-_SIDE: dict[str, Extreme] = {"left": "leftmost", "right": "rightmost", "front": "nearest", "back": "farthest"}
-
-
-def _single_out(reference: Reference, found: list[PerceivedObject]) -> list[PerceivedObject]:
-    """Superlatives, ordinals, sides and gradable adjectives."""
-    if reference.side is not None and len(found) > 1:
-        found = [_middle(found)] if reference.side == "middle" else [_extreme(_SIDE[reference.side], found)]
-    if reference.extreme is not None and len(found) > 1:
-        return [_middle(found)] if reference.extreme == "middle" else [_extreme(reference.extreme, found)]
-    if reference.ordinal is not None:
-        order = sorted(found, key=_ordinal_key(reference.ordinal_from))
-        index = reference.ordinal - 1 if reference.ordinal > 0 else reference.ordinal
-        return [order[index]] if -len(order) <= index < len(order) else []
-    if reference.quality is not None and len(found) > 1:
-        key = _MEASURE[_QUALITY[reference.quality]]
-        order = sorted(found, key=key, reverse=True)
-        first, second = abs(key(order[0])), abs(key(order[1]))
-        clear = max(first, second) >= NOTICEABLE * min(first, second) and first != second
-        return order[:1] if clear else found
-    return found
-
-
-def _extreme(extreme: Extreme, found: list[PerceivedObject]) -> PerceivedObject:
-    return max(found, key=_MEASURE[extreme])
-
-
-def leftness(obj: PerceivedObject) -> float:
-    """How far to the person's left an object stands [m]."""
-    return sum(a * b for a, b in zip(obj.position, LEFT, strict=True))
-
-
-def farness(obj: PerceivedObject) -> float:
-    """How far from the person an object stands, along the view [m]."""
-    return sum(a * b for a, b in zip(obj.position, BEHIND, strict=True))
-
-
-def _middle(found: list[PerceivedObject]) -> PerceivedObject:
-    order = sorted(found, key=leftness)
-    return order[len(order) // 2]
-
-
-def _ordinal_key(side: str) -> Callable[[PerceivedObject], float]:
-    keys: dict[str, Callable[[PerceivedObject], float]] = {
-        "left": lambda o: -leftness(o),
-        "right": leftness,
-        "front": farness,
-        "back": lambda o: -farness(o),
-    }
-    return keys[side]
-
-
-def spoken(reference: Reference) -> str:
-    """The reference as one would say it back."""
-    if reference.pronoun:
-        return "it"
-    if reference.noun and reference.words.split()[:1] not in (["the"], ["a"], ["an"], ["my"], ["any"]):
-        return f"the {reference.words}" if reference.words else f"the {reference.noun}"
-    words = reference.words or reference.noun or "that"
-    return "the " + words.split(" ", 1)[1] if words.split()[0] in ("a", "an", "any", "my") and " " in words else words
-
-
-def describe(obj: PerceivedObject, among: tuple[PerceivedObject, ...] = ()) -> str:
-    """A name that tells the object from the others: "the red cup", "the red cup on the left"."""
-    name = "object I don't recognise" if obj.category == UNKNOWN_CATEGORY else obj.category.replace("_", " ")
-    alike = [o for o in among if o.category == obj.category and o.id != obj.id]
-    coloured = f"{obj.colour_name} {name}"
-    if obj.category == UNKNOWN_CATEGORY:
-        coloured = f"{obj.colour_name} {name}"
-    same = [o for o in alike if o.colour_name == obj.colour_name]
-    if not same:
-        return f"the {coloured}"
-    order = sorted([obj, *same], key=leftness, reverse=True)
-    place = order.index(obj)
-    if len(order) == 2:
-        return f"the {coloured} on the {'left' if place == 0 else 'right'}"
-    names = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")
-    return f"the {names[min(place, 8)]} {coloured} from the left"
-
-
-def listing(objects: tuple[PerceivedObject, ...]) -> str:
-    """As in "a red cup, a vase and an object I don't recognise"."""
-    names = [describe(o).removeprefix("the ") for o in sorted(objects, key=leftness, reverse=True)]
-    named = [("an " if n[0] in "aeiou" else "a ") + n for n in names]
-    if not named:
-        return "nothing"
-    return named[0] if len(named) == 1 else ", ".join(named[:-1]) + " and " + named[-1]
-
-
-def absent(reference: Reference, scope: Scope) -> str:
-    """Says that nothing fits, and what there is."""
-    unknown = [o for o in scope.objects if o.category == UNKNOWN_CATEGORY]
-    name = spoken(reference).removeprefix("the ")
-    hint = (
-        " I don't recognise several objects, so I can't tell which one it is."
-        if len(unknown) > 1 and reference.noun
-        else ""
-    )
-    return f"I see no {name}.{hint} I see {listing(scope.objects)}."

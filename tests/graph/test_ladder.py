@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agent import build_agent, nodes
+from agent import build_agent, motions
 from agent.ladder import budget, irreversible, level_of
 from kb.sensing import CameraEvidence, Sensing
 from kb.switches import Switches
@@ -19,13 +19,13 @@ NOTHING = Sensing(phase="close", aperture_start=0.08, aperture_closed=0.0, apert
 def failing(monkeypatch: pytest.MonkeyPatch, times: int) -> list[Any]:
     """Makes the first `times` grasps close on nothing; the list collects the plans."""
     plans: list[Any] = []
-    real = nodes.execute_grasp
+    real = motions.execute_grasp
 
     def grasp(args: Any, context: Any) -> Sensing:
         plans.append(args.plan)
         return NOTHING if len(plans) <= times else real(args, context)
 
-    monkeypatch.setattr(nodes, "execute_grasp", grasp)
+    monkeypatch.setattr(motions, "execute_grasp", grasp)
     return plans
 
 

@@ -1,0 +1,183 @@
+"""The agent as its users hold it: one conversation in one world, run or streamed, stopped and taken up again."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Generator, Iterator
+from typing import TYPE_CHECKING, Any
+
+from kb.errors import BadInputError
+
+if TYPE_CHECKING:
+    from agent.events import BaseStep
+    from agent.state import State
+    from kb.run_result import RunResult
+    from tools.open_world import OpenedWorld
+
+MAX_INSTRUCTION = 10_000
+"""Longest instruction [characters]."""
+STEP_LIMIT = 4_000
+"""Graph steps per instruction: far above what twelve objects with four attempts each need (about 600)."""
+
+Approve = Callable[[dict[str, Any]], dict[str, Any]]
+"""Shown the proposed motion as plain data, returns a decision as plain data (`agent.approval.Decision`)."""
+
+
+class Agent:
+    """A robot agent in a world, and the conversation with it. Made by `build_agent`."""
+
+    def __init__(
+        self, context: Any, graph: Any, names: dict[str, str], *, thread: str | None, approve: Approve | None
+    ) -> None:
+        self.context = context
+        """What the nodes are injected with (`agent.context.AgentContext`)."""
+        self._graph = graph
+        self._names = names
+        self._approve = approve
+        self._durability = "sync" if thread is not None else "exit"
+        self._config = {"configurable": {"thread_id": thread or "here"}, "recursion_limit": STEP_LIMIT}
+        self._running = threading.Lock()
+        self.thread = thread
+        """Name of the thread, or None."""
+        self.result: RunResult | None = None
+        """Result of the last run."""
+
+    # What faces may look at --------------------------------------------------------------------------------------
+
+    @property
+    def opened(self) -> OpenedWorld:
+        """The world with robot and observer; for pictures, videos and reports."""
+        return self.context.world.opened
+
+    @property
+    def views(self) -> tuple[Any, ...]:
+        """Pictures of the last look."""
+        return self.context.tools.robot.views
+
+    @property
+    def state(self) -> State:
+        """The state as last checkpointed."""
+        from agent.state import State
+
+        return State(**self._graph.get_state(self._config).values)
+
+    @property
+    def interrupted(self) -> str | None:
+        """The instruction that a killed process left unfinished in this thread, or None."""
+        snapshot = self._graph.get_state(self._config)
+        return snapshot.values.get("instruction") if snapshot.next else None
+
+    # Running -----------------------------------------------------------------------------------------------------
+
+    def run(self, instruction: str, on_step: Callable[[BaseStep], None] | None = None) -> RunResult:
+        """Carries out one instruction and returns what came of it; the world goes on from where it was.
+
+        An instruction that equals the one a killed process left unfinished is taken up where it stopped.
+
+        Raises:
+            BadInputError: the instruction is empty or longer than `MAX_INSTRUCTION` characters.
+        """
+        for step in self.stream(instruction):
+            if on_step is not None:
+                on_step(step)
+        assert self.result is not None
+        return self.result
+
+    def resume(self, on_step: Callable[[BaseStep], None] | None = None) -> RunResult | None:
+        """Finishes what a killed process left unfinished; None if there is nothing."""
+        unfinished = self.interrupted
+        return None if unfinished is None else self.run(unfinished, on_step)
+
+    def stream(self, instruction: str) -> Iterator[BaseStep]:
+        """Like `run`, as an iterator of typed steps that come while they happen; `result` is set at its end.
+
+        Leaving the iterator early stops the robot; what was done until then is saved.
+        """
+        text = checked(instruction)
+        if not self._running.acquire(blocking=False):
+            raise BadInputError("this agent is busy with another instruction", where="run")
+        try:
+            start = self.context.clock()
+            entry: Any = None if self.interrupted == text else {"instruction": text, "times": {}}
+            while entry is not False:
+                yield from self._steps(entry)
+                entry = yield from self._decide()
+            self.result = self._result(self.context.clock() - start)
+        finally:
+            self.context.emit = lambda _step: None
+            self._running.release()
+
+    def _steps(self, entry: Any) -> Iterator[BaseStep]:
+        """Runs the graph in a thread of its own until it ends or waits, and yields its steps."""
+        told: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self.context.emit = told.put
+        failures: list[BaseException] = []
+
+        def work() -> None:
+            try:
+                self._graph.invoke(entry, self._config, context=self.context, durability=self._durability)
+            except BaseException as error:
+                failures.append(error)
+            finally:
+                told.put(None)
+
+        worker = threading.Thread(target=work, name="ragvlm-graph", daemon=True)
+        worker.start()
+        try:
+            while (step := told.get()) is not None:
+                yield step
+        except BaseException:
+            self.stop()
+            worker.join()
+            raise
+        worker.join()
+        if failures:
+            raise failures[0]
+
+    def _decide(self) -> Generator[BaseStep, None, Any]:
+        """Where the graph waits for a person: asks, and returns the command that goes on; False if it does not wait."""
+        from langgraph.types import Command
+
+        from agent.events import Approval
+        from kb.sensing import Plan
+
+        waiting = [item for task in self._graph.get_state(self._config).tasks for item in task.interrupts]
+        if not waiting:
+            return False
+        proposal = waiting[0].value
+        plan = Plan.model_validate(proposal["plan"])
+        yield Approval(text="May I do this?", goal=proposal["goal"], plan=plan)
+        decision = self._approve(proposal) if self._approve is not None else {"verdict": "reject"}
+        return Command(resume=decision)
+
+    def _result(self, total: float) -> RunResult:
+        from agent.run_result import run_result
+
+        return run_result(self.state, self.opened.observer, total=total, **self._names)
+
+    # Stopping ----------------------------------------------------------------------------------------------------
+
+    def stop(self) -> None:
+        """Stops the robot and latches: nothing moves until `release`. May be called from any thread."""
+        self.opened.stop.press()
+
+    def release(self) -> None:
+        """Lets the robot move again, on request."""
+        self.opened.stop.release()
+
+
+def checked(instruction: str) -> str:
+    """The instruction, if it can be one.
+
+    Raises:
+        BadInputError: it is empty, or longer than `MAX_INSTRUCTION` characters.
+    """
+    text = instruction.strip()
+    if not text:
+        raise BadInputError("the instruction is empty", where="instruction")
+    if len(instruction) > MAX_INSTRUCTION:
+        raise BadInputError(
+            f"{len(instruction)} characters are too many, at most {MAX_INSTRUCTION}", where="instruction"
+        )
+    return text

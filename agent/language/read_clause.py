@@ -1,0 +1,245 @@
+"""Reads one clause: a verb, the things it is about, and where they are to go."""
+
+from __future__ import annotations
+
+import re
+
+from agent.goal import Goal, Measure, Placement, Reference
+from agent.language import lexicon
+from agent.language.clauses import HAND_ME, find_verb
+from agent.language.read_place import read_place
+from agent.language.read_reference import is_reference, read_reference
+from agent.language.words import mend
+
+CANNOT_READ = (
+    "I did not understand that. I can pick things up, put them somewhere, clear the table, sort things, and answer "
+    'questions about what I see and why I did what I did. Say "help" for examples.'
+)
+LET_GO = re.compile(r"^(?:let go|open (?:your|the) (?:hand|gripper|fingers)|release|drop|let it go|free your hand)$")
+HAND_TO_ME = re.compile(
+    r"^(?:hand|give|pass|bring|offer|deliver|hand over|pass over|take|get)\s+(?P<what>.+?)\s+(?:over )?(?:to|for) me(?: please)?$"
+)
+CLEAR = re.compile(
+    r"^(?:clear|clean|tidy|empty|free)(?: up| off| away| out)?(?: the| my| this| up the| your)? (?:whole |entire )?"
+    r"(?:table|desk|tabletop|workspace|surface|scene|mess|everything|place|all)(?: up| off| away| please| completely)*"
+    r"(?: (?:into|in|to) (?:the )?(?:bin|trash|basket))?(?P<rest> .*)?$"
+)
+CLEAN_UP = re.compile(r"^(?:clean|tidy|clear) (?:up|away)(?: here)?(?P<rest> (?:except|but|without|apart from) .*)?$")
+EVERYTHING_AWAY = re.compile(
+    r"^(?:put|place|move|throw|get|take|remove|discard|drop|toss|bring|pick up|pick|bin|trash|dispose of|get rid of|put away|"
+    r"throw away|collect|dump|throw out) (?:away )?(?P<what>(?:everything|all(?: of)?(?: the| these| those)? (?:things|objects|items|stuff)"
+    r"|all of (?:it|them)|it all|the (?:objects|things|items)|all|them all|every (?:object|thing|item)|each (?:object|thing|item)).*?)"
+    r"(?P<where> (?:away|out|off|up|(?:off|from) the table|(?:in|into|to|inside) (?:the |a )?(?:bin|trash(?: can)?|basket|garbage|"
+    r"rubbish(?: bin)?|tray|dustbin)))*(?P<rest> (?:except|but|apart from|other than|without) .*)?$"
+)
+SORTED_BY = re.compile(
+    r"\b(?:by|according to|based on|after|in order of|in terms of|with respect to|how|from|on)\s+(?P<how>.+)$"
+)
+DESCENDING = re.compile(
+    r"\b(?:descending|decreasing|(?:most|biggest|largest|heaviest|tallest|most fragile) (?:one |ones |fragile |things |objects )?"
+    r"first|from (?:the )?(?:most|big|biggest|large|largest|heavy|heaviest|tall|tallest|high|fragile)\b|reverse)"
+)
+FROM_RIGHT = re.compile(r"\bfrom (?:the )?right to (?:the )?left\b")
+GRIP_OF = re.compile(r"^(?:the |its |a )?(?:handle|rim|body|stem|neck|edge|shaft) of (?:the )?")
+GRIP = re.compile(
+    r" (?:by|at|on|from|with|using) (?:the |its |a |one |an )?(?:handle|rim|body|stem|neck|edge|edges|top|above|side|sides|below|grip|"
+    r"(?:pinch|power|side|firm|gentle|soft|tight|strong|light) (?:grasp|grip))$"
+)
+
+
+def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | str:
+    """The goals of one clause, or why it cannot be done.
+
+    Args:
+        clause: tokens without openers and fillers.
+        before: goals of earlier clauses, whose verb and object carry over ("then the apple", "put it in the bin").
+    """
+    line = " ".join(clause)
+    whole = _whole_table(line)
+    if whole is not None:
+        return whole
+    if LET_GO.match(line):
+        return [Goal(kind="place", reference=Reference(words="it", pronoun=True), placement=Placement(kind="aside"))]
+    found = HAND_TO_ME.match(line) or HAND_ME.match(line)
+    if found:
+        return _each(found["what"].split(), "pick", Placement(kind="hand_over"))
+    verb = find_verb(clause)
+    if verb is None:
+        return _verbless(clause, before)
+    action, length = verb
+    rest = clause[length:]
+    if action == "sort":
+        return _sort(rest)
+    if action == "discard":
+        return _discard(rest)
+    if action == "place":
+        return _place(rest, default=_place_default(clause[:length], rest))
+    if action == "hand":
+        return _each([t for t in rest if t not in ("me", "over", "us")], "pick", Placement(kind="hand_over"))
+    return _pick(rest)
+
+
+def _place_default(verb: list[str], rest: list[str]) -> Placement | None:
+    """Where things go if no place is said: "put it down", "let go of it", "throw it away"."""
+    said = " ".join(verb)
+    if said in ("dump", "throw", "toss", "chuck") or (said == "put" and "away" in rest):
+        return Placement(kind="bin")
+    if (
+        "down" in rest
+        or "aside" in rest
+        or "down" in verb
+        or said in ("release", "let go of", "drop off", "drop", "leave", "deposit")
+    ):
+        return Placement(kind="aside")
+    return Placement(kind="aside") if said in ("move", "shift", "relocate", "carry", "slide", "transfer") else None
+
+
+def _whole_table(line: str) -> list[Goal] | None:
+    """Clearing the table in any of its wordings."""
+    for regex in (CLEAR, CLEAN_UP, EVERYTHING_AWAY):
+        found = regex.match(line)
+        if not found:
+            continue
+        if regex is EVERYTHING_AWAY and line.split()[0] in ("pick", "take", "get", "collect") and not found["where"]:
+            return None
+        spared = (found["rest"] or "").split()
+        what = (found.groupdict().get("what") or "everything").split()
+        reading = read_reference([*what, *spared])
+        if reading.contradiction or reading.unknown:
+            return None
+        reference = Reference(**{**reading.found, "plural": True, "noun": "everything"})
+        return [Goal(kind="clear", reference=reference, placement=Placement(kind="bin"))]
+    return None
+
+
+def _sort(rest: list[str]) -> list[Goal] | str:
+    line = " ".join(rest)
+    by = SORTED_BY.search(line)
+    measure: Measure | None = None
+    for token in (by["how"] if by else line).split():
+        measure = measure or lexicon.MEASURES.get(mend(token)) or _measure_of(token)
+    if measure is None:
+        return "I can sort by fragility, by size or by weight. By which?"
+    what = line[: by.start()].split() if by else []
+    what = [
+        t for t in what if t not in ("out", "up", "them", "it", "from", "left", "to", "right", "in", "a", "row", "line")
+    ]
+    reading = read_reference(what or ["everything"])
+    if reading.unknown or reading.contradiction:
+        return CANNOT_READ
+    reference = Reference(**{**reading.found, "plural": True})
+    descending = bool(DESCENDING.search(line)) != bool(FROM_RIGHT.search(line))
+    return [Goal(kind="sort", reference=reference, measure=measure, descending=descending)]
+
+
+def _measure_of(token: str) -> Measure | None:
+    extremes: dict[str, Measure] = {
+        "biggest": "size", "smallest": "size", "largest": "size", "tallest": "size", "shortest": "size",
+        "heaviest": "weight", "lightest": "weight", "sturdiest": "fragility", "lighter": "weight", "heavier": "weight",
+        "bigger": "size", "smaller": "size", "larger": "size", "sturdy": "fragility", "robust": "fragility",
+    }  # fmt: skip
+    return extremes.get(token)
+
+
+def _pick(rest: list[str]) -> list[Goal] | str:
+    if rest and rest[-1] == "up":
+        rest = rest[:-1]
+    if rest and rest[0] == "up":
+        rest = rest[1:]
+    thing, placement = read_place(_without_grip(rest))
+    if placement is not None and thing and placement.kind in ("bin", "hand_over"):
+        kind = "pick" if placement.kind == "hand_over" else "place"
+        return _each(thing, kind, placement)
+    return _each(_without_grip(rest), "pick", None)
+
+
+def _without_grip(tokens: list[str]) -> list[str]:
+    """Takes away "by the handle" and "from above": where and how to grip is planned, not told."""
+    line, shorter = "", " ".join(tokens)
+    while line != shorter:
+        line, shorter = shorter, GRIP.sub("", shorter)
+    return GRIP_OF.sub("the ", line).split()
+
+
+def _place(rest: list[str], default: Placement | None) -> list[Goal] | str:
+    rest = [t for t in rest if t not in ("away", "down", "aside", "off", "out")] if default is not None else rest
+    thing, placement = read_place(rest)
+    placement = placement or default
+    if placement is None:
+        return "Where shall I put it? In the bin, on the left, next to something?"
+    if not thing:
+        thing = ["it"]
+    return _each(thing, "place", placement)
+
+
+def _discard(rest: list[str]) -> list[Goal] | str:
+    """Into the bin, unless another fixed place is said; "remove what is on the bowl" says where from, not where to."""
+    thing, placement = read_place(rest)
+    if placement is not None and placement.kind in ("bin", "side", "aside", "hand_over") and thing:
+        return _each(thing, "place", placement)
+    rest = [t for t in rest if t not in ("away", "down", "aside", "out")]
+    return _each(rest, "place", Placement(kind="bin", or_aside=True))
+
+
+def _verbless(clause: list[str], before: list[Goal]) -> list[Goal] | str:
+    """For "then the apple": the verb of the clause before; "into the bin": its object; a bare thing: a question."""
+    thing, placement = read_place(clause)
+    moving = [goal for goal in before if goal.moves]
+    if placement is not None and not thing and moving:
+        return [Goal(kind="place", reference=Reference(words="it", pronoun=True), placement=placement)]
+    last = moving[-1] if moving else None
+    got = _each(thing or clause, "place" if placement else "pick", placement, strict=True)
+    if isinstance(got, str) or not got:
+        return CANNOT_READ
+    if last is not None:
+        return [g.model_copy(update={"kind": last.kind, "placement": placement or last.placement}) for g in got]
+    if placement is not None and placement.kind == "bin":
+        return got
+    if placement is not None:
+        return _verbless_thing(clause)
+    return [g.model_copy(update={"kind": "answer", "query": None}) for g in got]
+
+
+def _verbless_thing(clause: list[str]) -> list[Goal] | str:
+    """Reads "the one on the left" as a thing, not as a place to put one."""
+    got = _each(clause, "pick", None, strict=True)
+    return got if isinstance(got, str) else [g.model_copy(update={"kind": "answer", "query": None}) for g in got]
+
+
+def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: bool = False) -> list[Goal] | str:
+    """One goal per thing of an enumeration ("the cup, the apple and the ball")."""
+    goals: list[Goal] = []
+    for part in _enumeration(tokens):
+        reading = read_reference(part)
+        if reading.contradiction:
+            return f"That contradicts itself: {reading.contradiction}."
+        if goals and reading.found.get("side") and not reading.found.get("noun") and goals[-1].reference is not None:
+            if goals[-1].reference.side is not None:
+                return f"That contradicts itself: {goals[-1].reference.side} and {reading.found['side']} at once."
+        if not is_reference(reading) or not _readable(reading.unknown, reading.found, strict):
+            return CANNOT_READ
+        goals.append(
+            Goal(kind="pick" if kind == "pick" else "place", reference=Reference(**reading.found), placement=placement)
+        )
+    return goals or CANNOT_READ
+
+
+def _readable(unknown: list[str], found: dict[str, object], strict: bool) -> bool:
+    """An unknown adjective before a known noun may pass; more than one, or where no verb was said, may not."""
+    if not unknown:
+        return True
+    return not strict and len(unknown) == 1 and bool(found.get("noun"))
+
+
+def _enumeration(tokens: list[str]) -> list[list[str]]:
+    """Cuts at "and" and commas between things; "between A and B", "except A and B" stay whole."""
+    parts: list[list[str]] = [[]]
+    for i, token in enumerate(tokens):
+        whole = any(word in parts[-1] for word in ("between", "except", "but", "without", "not"))
+        correction = token == "," and i + 1 < len(tokens) and tokens[i + 1] in ("not", "but", "except", "which", "that")
+        head = bool(parts[-1]) and parts[-1][0] == "not"
+        if token in ("and", ",", "&") and not whole and not correction and not head:
+            parts.append([])
+        else:
+            parts[-1].append(token)
+    return [part for part in parts if part]
