@@ -16,7 +16,7 @@ from kb.corrections import LEVEL2_FORCE_SCALE, LEVEL3_NOISE, TYPE_ROTATION, corr
 from kb.experience import Retrieval
 from kb.grasp import MAX_APERTURE, MAX_FORCE, MIN_FORCE, GraspField
 from kb.sensing import Correction, Evidence, Plan
-from kb.vocabulary import FailureType, GraspType
+from kb.vocabulary import AffordanceType, FailureType, GraspType
 from sim.quality import THRESHOLDS, TYPE_MATCH, minimum_force
 from tools.context import ToolContext
 
@@ -102,8 +102,10 @@ def squeezed_out(args: CorrectArgs) -> bool:
 def _rotate_type(args: CorrectArgs) -> Correction:
     """Level 2: power -> pinch -> side -> power, skipping types unfit for the affordance, force x 0.9 (G19b)."""
     current = args.plan.grasp.type
-    order = TYPE_ROTATION[TYPE_ROTATION.index(current) + 1 :] + TYPE_ROTATION[: TYPE_ROTATION.index(current)]
-    fits = [type_ for type_ in order if _fits(type_, args)]
+    order: tuple[GraspType, ...] = (
+        TYPE_ROTATION[TYPE_ROTATION.index(current) + 1 :] + TYPE_ROTATION[: TYPE_ROTATION.index(current)]
+    )
+    fits: list[GraspType] = [type_ for type_ in order if _fits(type_, args)]
     chosen: GraspType = fits[0] if fits else order[0]
     force = max(MIN_FORCE, args.plan.grasp.force * LEVEL2_FORCE_SCALE)
     return _tidy(args, Correction(
@@ -113,7 +115,9 @@ def _rotate_type(args: CorrectArgs) -> Correction:
 
 
 def _fits(type_: GraspType, args: CorrectArgs) -> bool:
-    kinds = [item.experience.affordance.type for item in args.retrieval.top] if args.retrieval else []
+    kinds: list[AffordanceType] = (
+        [item.experience.affordance.type for item in args.retrieval.top] if args.retrieval else []
+    )
     return not kinds or TYPE_MATCH[kinds[0]][type_] >= THRESHOLDS[3]
 
 

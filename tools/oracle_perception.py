@@ -235,9 +235,10 @@ def _box_points(half: Array, count: int) -> Array:
     for axis in range(3):
         u, v = [i for i in range(3) if i != axis]
         nu, nv = max(2, int(2 * half[u] / pitch) + 1), max(2, int(2 * half[v] / pitch) + 1)
-        gu, gv = np.meshgrid(np.linspace(-half[u], half[u], nu), np.linspace(-half[v], half[v], nv))
-        face = np.zeros((gu.size, 3))
-        face[:, u], face[:, v] = gu.ravel(), gv.ravel()
+        along_u: Array = np.linspace(-float(half[u]), float(half[u]), nu)
+        along_v: Array = np.linspace(-float(half[v]), float(half[v]), nv)
+        face = np.zeros((nu * nv, 3))
+        face[:, u], face[:, v] = np.tile(along_u, nv), np.repeat(along_v, nu)
         for sign in (-1, 1):
             face[:, axis] = sign * half[axis]
             faces.append(face.copy())
@@ -246,19 +247,23 @@ def _box_points(half: Array, count: int) -> Array:
 
 def _sample_hull(vertices: Array, count: int) -> Array:
     """Vertices of a convex piece and points on its hull, spread by area."""
-    from scipy.spatial import ConvexHull  # only the oracle, and only for meshes: not on the default path
+    # Only the oracle, and only for meshes: not on the default path.
+    from scipy.spatial import ConvexHull  # pyright: ignore[reportMissingTypeStubs]
 
-    hull = ConvexHull(vertices)
-    triangles = vertices[hull.simplices]
-    areas = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
-    chosen = np.searchsorted(np.cumsum(areas), (np.arange(count) + 0.5) / count * areas.sum())
+    hull: Any = ConvexHull(vertices)
+    triangles: Array = vertices[np.asarray(hull.simplices)]
+    areas: Array = 0.5 * np.linalg.norm(
+        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
+    )
+    shares = (np.arange(count, dtype=np.float64) + 0.5) / count
+    chosen: NDArray[np.intp] = np.searchsorted(np.cumsum(areas), shares * float(areas.sum()))
     i = np.arange(count)
     a, b = (i * 0.7548776662466927) % 1, (i * 0.5698402909980532) % 1  # the plastic number's low-discrepancy pair
     flip = a + b > 1
     a, b = np.where(flip, 1 - a, a), np.where(flip, 1 - b, b)
     corner = triangles[np.minimum(chosen, len(triangles) - 1)]
     inner = corner[:, 0] + a[:, None] * (corner[:, 1] - corner[:, 0]) + b[:, None] * (corner[:, 2] - corner[:, 0])
-    return np.concatenate([vertices[hull.vertices], inner])
+    return np.concatenate([vertices[np.asarray(hull.vertices)], inner])
 
 
 def _inside(geom: Geom, points: Array, slack: float = 1e-6) -> NDArray[np.bool_]:
@@ -349,7 +354,7 @@ def _mask(surface: Array, view: RgbdView) -> NDArray[np.bool_]:
     """Pixels whose measured point lies on the object: cells of samples with a like depth."""
     mask = np.zeros(view.depth.shape, bool)
     u, v, z, ok = project(surface, view)
-    height, width = mask.shape
+    height, width = view.depth.shape
     for du in range(-2, 3):
         for dv in range(-2, 3):
             x, y = np.clip(u[ok] + du, 0, width - 1), np.clip(v[ok] + dv, 0, height - 1)

@@ -23,7 +23,8 @@ WIDTH_SURPRISE = 0.016
 
 def doubts(plan: Plan, evidence: Evidence, constraints: Constraints, target: PerceivedObject) -> tuple[str, ...]:
     """Reasons, in words with numbers; empty if all readings agree with a success."""
-    sensed, found = evidence.sensing, []
+    sensed = evidence.sensing
+    found: list[str] = []
     if not sensed.reachable:
         return ("the pose can't be reached",)
     if sensed.stopped_by is not None:
@@ -56,7 +57,8 @@ def doubts(plan: Plan, evidence: Evidence, constraints: Constraints, target: Per
 
 def _wrong_thing(plan: Plan, evidence: Evidence, target: PerceivedObject) -> list[str]:
     """Something is held, but is it the target?"""
-    sensed, found = evidence.sensing, []
+    sensed = evidence.sensing
+    found: list[str] = []
     width_off = abs(sensed.aperture_closed - plan.local_width)
     heavy = sensed.load_end > 1.8 * target.mass[1]
     light = sensed.load_end < 0.5 * target.mass[0]

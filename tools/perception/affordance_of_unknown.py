@@ -19,7 +19,7 @@ FRAGILE_GLASS, CAREFUL = 0.8, 0.3
 
 def affordance_of_unknown(measured: Measured, parts: tuple[Part, ...], *, transparent: bool) -> AffordanceDescriptor:
     """The affordance descriptor of an unknown object."""
-    regions = {part.region: part for part in parts}
+    regions: dict[Region, Part] = {part.region: part for part in parts}
     kind, region = _type_and_region(measured, regions, transparent)
     material: Material = "glass" if transparent else "mixed"
     fragile = transparent or "stem" in regions

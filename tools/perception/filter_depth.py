@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,9 +17,10 @@ _SORT_9 = (
 
 
 def median_depth(depth: Image) -> Image:
-    """Median of the measured pixels of each 3x3 neighbourhood [m], 0 where the pixel itself is unmeasured.
+    """Median of each 3x3 neighbourhood [m].
 
-    Unmeasured neighbours count as the pixel itself, so that holes neither spread nor pull.
+    Unmeasured neighbours (0) count as the pixel itself, so that holes do not spread; a hole with at least five measured
+    neighbours is filled by the nearest of them.
     """
     padded = np.pad(depth, 1, mode="edge")
     height, width = depth.shape
@@ -34,11 +37,12 @@ def median_depth(depth: Image) -> Image:
     return planes[4]
 
 
-def box_sum(image: NDArray[np.floating], half: int) -> NDArray[np.float64]:
+def box_sum(image: NDArray[Any], half: int) -> NDArray[np.float64]:
     """Sum over windows of (2 half + 1) squared pixels, cut at the border; same shape as `image` (H, W)."""
     total = np.zeros((image.shape[0] + 1, image.shape[1] + 1))
     np.cumsum(np.cumsum(image, axis=0, dtype=np.float64), axis=1, out=total[1:, 1:])
-    rows, columns = np.arange(image.shape[0]), np.arange(image.shape[1])
-    top, bottom = np.maximum(rows - half, 0), np.minimum(rows + half + 1, image.shape[0])
-    left, right = np.maximum(columns - half, 0), np.minimum(columns + half + 1, image.shape[1])
+    height, width = int(image.shape[0]), int(image.shape[1])
+    rows, columns = np.arange(height, dtype=np.int64), np.arange(width, dtype=np.int64)
+    top, bottom = np.maximum(rows - half, 0), np.minimum(rows + half + 1, height)
+    left, right = np.maximum(columns - half, 0), np.minimum(columns + half + 1, width)
     return total[bottom][:, right] - total[top][:, right] - total[bottom][:, left] + total[top][:, left]

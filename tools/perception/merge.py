@@ -346,7 +346,8 @@ def _swallows(big: Candidate, small: Candidate) -> bool:
     if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known or big.under in small.measured.blob.pieces:
         return False
     if holder.is_round or holder.is_ball:
-        inside = np.hypot(*(xyz[:, :2] - holder.centre).T) < holder.radius + 0.004
+        offset = xyz[:, :2] - holder.centre
+        inside = np.hypot(offset[:, 0], offset[:, 1]) < holder.radius + 0.004
     else:
         inside = np.all(np.abs(holder.box.local(xyz)[:, :2]) < holder.box.size[:2] / 2 + 0.004, axis=1)
     return bool(np.mean(inside & (xyz[:, 2] < holder.top + 0.003)) > 0.85)

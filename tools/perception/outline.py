@@ -22,7 +22,7 @@ DIRECTIONS = 180
 SPARE = 4
 """The reach is that of the fourth farthest point: of many noisy points the farthest lies beyond the edge."""
 
-_THETA = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+_THETA: Array = np.arange(DIRECTIONS, dtype=np.float64) * (2 * np.pi / DIRECTIONS)
 _UNIT = np.stack([np.cos(_THETA), np.sin(_THETA)])
 
 

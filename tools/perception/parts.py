@@ -106,7 +106,7 @@ def _narrow(m: Measured) -> list[Part]:
     if not wider_below:
         return []
     stretch = [k for k in inner if radii[k] < max(1.3 * radii[least], radii[least] + 0.002)]
-    stretch = _run_around(stretch, least)
+    stretch = _run_around([int(k) for k in stretch], int(least))
     step = (m.top - m.base) / LEVELS
     bottom, top = m.base + stretch[0] * step, m.base + (stretch[-1] + 1) * step
     radius = _silhouette_radius(m, bottom + 0.15 * step, top - 0.15 * step)

@@ -7,6 +7,7 @@ brightness changes by more than light can explain. `tools.perception.merge` then
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,7 +104,7 @@ def _glass(points: ObjectPoints, first: Index, second: Index) -> NDArray[np.bool
 
 
 def _colour_modes(
-    chroma: Array, colour: Array, amount: Index, cluster: Index, size: Array, glass: NDArray[np.bool_]
+    chroma: Array, colour: Array, amount: Index, cluster: Index, size: NDArray[Any], glass: NDArray[np.bool_]
 ) -> Index:
     """Colour mode of each voxel (V,): per cluster, the commonest colour takes all voxels near it, then the next one.
 
@@ -180,7 +181,9 @@ def _smoothed(mode: Index, amount: Index, first: Index, second: Index) -> Index:
     return smoothed
 
 
-def _absorb_small(piece: Index, amount: Index, cluster: Index, size: Array, first: Index, second: Index) -> Index:
+def _absorb_small(
+    piece: Index, amount: Index, cluster: Index, size: NDArray[Any], first: Index, second: Index
+) -> Index:
     """Small pieces go to the neighbouring piece of their cluster with the most links, smallest pieces first."""
     piece = piece.copy()
     for _ in range(4):

@@ -27,15 +27,16 @@ def fit_sphere(points: Array, rounds: int = 3) -> Sphere:
     middle = points.mean(0)
     p = points - middle
     keep = np.ones(len(p), bool)
-    centre, radius, distance = np.zeros(3), 0.0, np.zeros(len(p))
+    centre: Array = np.zeros(3)
+    radius, distance = 0.0, np.zeros(len(p))
     for _ in range(rounds):
         q = p[keep]
         a = np.column_stack([2 * q, np.ones(len(q))])
         normal, right = a.T @ a, a.T @ (q**2).sum(1)
-        solution = np.linalg.lstsq(normal, right, rcond=None)[0]
+        solution: Array = np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0], np.float64)
         centre = solution[:3]
         radius = float(np.sqrt(max(solution[3] + centre @ centre, 1e-8)))
-        distance = np.linalg.norm(p - centre, axis=1) - radius
+        distance: Array = np.asarray(np.linalg.norm(p - centre, axis=1), np.float64) - radius
         spread = float(np.sqrt(np.mean(distance[keep] ** 2)))
         keep = np.abs(distance) < max(3 * spread, 0.002)
         if keep.sum() < 10:

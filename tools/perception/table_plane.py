@@ -6,6 +6,7 @@ The table is the robot's own set-up: top z = 0, x in [0.25, 0.85], y in [-0.40, 
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,7 +118,7 @@ def fit_edges(depth: Image, rays: Image, pose: Array) -> Array:
 
 
 def _edge_shift(
-    ground: Image, table: NDArray[np.bool_], beyond: NDArray[np.bool_], axis: int, end: Array
+    ground: NDArray[Any], table: NDArray[np.bool_], beyond: NDArray[np.bool_], axis: int, end: Array
 ) -> tuple[Array, Array, Array]:
     """Where along an edge it was measured [m] (N,), how far the picture must be moved there [m] (N,), and the weight.
 
@@ -161,7 +162,7 @@ def _face_shift(face: Image, axis: int, end: Array) -> tuple[Array, Array, Array
     return middle[good], shift, np.full(int(good.sum()), 1.0)
 
 
-def _in_plane(pose: Array, move: Array) -> Array:
+def _in_plane(pose: Array, move: NDArray[Any]) -> Array:
     """The pose moved by (dx, dy) [m] and turned by dyaw [rad] about the world's origin."""
     c, s = np.cos(move[2]), np.sin(move[2])
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])

@@ -15,7 +15,7 @@ FIELDS: tuple[GraspField, ...] = ("position", "approach", "yaw", "aperture", "fo
 class Ledger:
     """Sources per field, in the order in which they acted."""
 
-    entries: dict[GraspField, list[Provenance]] = field(default_factory=dict)
+    entries: dict[GraspField, list[Provenance]] = field(default_factory=dict[GraspField, list[Provenance]])
 
     def add(self, name: GraspField, source: ProvenanceSource, id_: str, value: Any) -> None:
         """Records that `source` (in particular `id_`) gave or changed the field by `value`."""

@@ -23,7 +23,7 @@ def surroundings(percept: Percept, target: str) -> Array:
     clouds = [
         completed(other)
         for other in percept.objects
-        if other.id != target and float(np.linalg.norm(np.asarray(other.position) - centre)[()]) < reach(other)
+        if other.id != target and float(np.linalg.norm(np.asarray(other.position) - centre)) < reach(other)
     ]
     return np.concatenate(clouds) if clouds else np.zeros((0, 3))
 
