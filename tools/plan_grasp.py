@@ -8,7 +8,7 @@ decides last. This module knows neither how objects were perceived nor what is t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,24 +18,22 @@ from kb.base import Noun
 from kb.constraint import Constraints
 from kb.errors import BadInputError
 from kb.experience import Retrieval
-from kb.grasp import MAX_APERTURE, Grasp
+from kb.grasp import MAX_APERTURE
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Correction, Plan
-from sim.motion import Obstacle, plan_transit
 from sim.quality import WIDEST_OBJECT
-from sim.reach import Unreachable, solve_reaches
 from tools.context import ToolContext
-from tools.planning.arm_clearance import arm_clearance
-from tools.planning.candidate import Array, Candidate
+from tools.planning.candidate import Candidate
 from tools.planning.constrain_candidates import Constrained, constrain
 from tools.planning.force_choice import ForceTerms, force_terms
 from tools.planning.generate_candidates import generate_candidates
 from tools.planning.grasp_prior import GraspPrior, prior_chain
 from tools.planning.literal_plan import literal_candidate
 from tools.planning.obstacles import obstacles
+from tools.planning.posture import ArmWay, Posture
 from tools.planning.rank_candidates import Ranked, estimate, lessons
 from tools.planning.remembered import RememberedGrasp
-from tools.planning.search import Posture, Search
+from tools.planning.search import Search
 from tools.planning.shape_grasp import explain, shape_grasp
 from tools.planning.surroundings import surroundings, thinned
 
@@ -47,16 +45,6 @@ LAST_CLEARANCES = (0.003, -0.001)
 
 OWN_POINTS = 400
 """Points of the target that the hand's way is checked against."""
-ARM_CLEARANCE = 0.004
-"""Distance that the arm's links keep from everything perceived [m]."""
-
-
-@dataclass(frozen=True)
-class _Around:
-    """What stands around the target: its neighbours' points (N, 3) [m], and boxes for free motions."""
-
-    points_w: Array
-    boxes: tuple[Obstacle, ...]
 
 
 class PlanArgs(Noun):
@@ -114,7 +102,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     if not switches.geometric_candidates or switches.prior == "default":
         return _literal(args, subject, chain[0], context)
     rejected: dict[str, int] = {}
-    around = _Around(surroundings(args.percept, subject.id), obstacles(args.percept))
+    way = arm_way(args.percept, subject.id, context)
     candidates = _usable(generate_candidates(subject), exclude, rejected)
     pool = constrain(candidates, subject, args.constraints, rejected)
     search = Search(
@@ -122,10 +110,10 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         constraints=args.constraints,
         correction=correction,
         avoid=lessons(args.retrieval) if switches.prior == "experience" else (),
-        neighbours_w=around.points_w,
+        neighbours_w=way.points_w,
         own_w=thinned(subject.surface_points(), OWN_POINTS),
         use_clearance=switches.clearance,
-        reach=lambda grasp, way: _posture(grasp, context, around if way else None),
+        way=way,
         rejected=rejected,
     )
     found = _search(search, pool, chain, args)
@@ -134,6 +122,12 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     ranked, posture, prior, force = found
     plan = _plan(search, ranked, posture, prior, force, args)
     return PlanOutcome(plan=plan, reason=_why(plan, prior), rejected=plan.rejected)
+
+
+def arm_way(percept: Percept, target: str, context: ToolContext) -> ArmWay:
+    """The arm as it stands, and all that was perceived around the target."""
+    start = np.asarray(context.robot.joints, float)
+    return ArmWay(start, surroundings(percept, target), obstacles(percept))
 
 
 def _subject(args: PlanArgs) -> PerceivedObject:
@@ -159,37 +153,17 @@ def _corrected(prior: GraspPrior, correction: Correction) -> GraspPrior:
 
 def _usable(candidates: list[Candidate], exclude: tuple[str, ...], rejected: dict[str, int]) -> list[Candidate]:
     """Candidates that fit into the hand and were not excluded by the reflection."""
+    # The lean away from neighbours is drawn anew, so it doesn't count as another place.
+    places = {name.split("/lean")[0] for name in exclude}
     kept: list[Candidate] = []
     for candidate in candidates:
         if candidate.width > WIDEST_OBJECT + 0.0035:
             rejected["wider than the hand opens"] = rejected.get("wider than the hand opens", 0) + 1
-        elif candidate.name in exclude:
+        elif candidate.name in places:
             rejected["failed before"] = rejected.get("failed before", 0) + 1
         else:
             kept.append(candidate)
     return kept
-
-
-def _posture(grasp: Grasp, context: ToolContext, around: _Around | None) -> Posture | None:
-    """Joint angles at the grasp, if the arm makes the whole motion without touching what is around it.
-
-    Args:
-        grasp: The grasp.
-        context: The robot's joint angles now.
-        around: What the free way must avoid; None leaves that check out (alternatives that are only shown).
-    """
-    start = np.asarray(context.robot.joints, float)
-    found = solve_reaches(grasp, start, options=1 if around is None else 3)
-    if isinstance(found, Unreachable):
-        return None
-    for reach in found:
-        if around is not None:
-            if len(around.points_w) and arm_clearance(reach, around.points_w) < ARM_CLEARANCE:
-                continue
-            if plan_transit(start, reach.pregrasp, around.boxes) is None:
-                continue
-        return tuple(float(q) for q in reach.joints)
-    return None
 
 
 def _search(
@@ -199,14 +173,18 @@ def _search(
     margin = args.constraints.adjustment.margin * (args.correction.margin if args.correction else 1.0)
     wanted = args.correction.changes.get("type") if args.correction else None
     stages: list[tuple[list[Constrained], GraspPrior, float]] = []
+    search.calm = True
     for type_ in dict.fromkeys((wanted, None)):
         typed = [item for item in pool if type_ is None or item.candidate.type == type_]
         for prior in chain:
             group = [item for item in typed if prior.region is None or item.candidate.region == prior.region]
             stages.append((group, prior, CLEARANCE * margin))
         stages.append((typed, chain[0], CLEARANCE * margin))
-    stages += [(pool, chain[0], required) for required in LAST_CLEARANCES]
-    for group, prior, required in stages:
+    regular = len(stages)
+    stages += [(pool, chain[0], required) for required in (CLEARANCE * margin, *LAST_CLEARANCES)]
+    for number, (group, prior, required) in enumerate(stages):
+        if number == regular:
+            search.accept_any_posture()
         force = _force(args, search.subject, prior)
         found = search.best(group, prior, force, required) if group else None
         if found is not None:
@@ -260,7 +238,7 @@ def _literal(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior, contex
         opening = min(MAX_APERTURE, float(str(args.correction.changes["aperture"])))
     grasp = shape_grasp(item, subject, prior, force, args.constraints, args.correction, opening=opening)
     quality = estimate(subject, candidate, grasp, 0.02, force.mass, force.friction)
-    posture = _posture(grasp, context, None)
+    posture = arm_way(args.percept, subject.id, context).posture(grasp, whole=False, calm=False)
     ledger = explain(item, grasp, prior, force, args.constraints, args.correction, math.inf)
     plan = Plan(
         grasp=grasp,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +17,7 @@ from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
 from tools.planning.force_choice import ForceTerms
 from tools.planning.grasp_prior import GraspPrior
+from tools.planning.posture import ArmWay, Posture
 from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
 from tools.planning.shape_grasp import narrow_opening, shape_grasp
 
@@ -34,8 +34,6 @@ OWN_CLEARANCE = 0.001
 WIDE_MALUS = 0.25
 """Malus of places wider than `WIDEST_GRIP` where a narrower one exists."""
 
-Posture = tuple[float, ...]
-
 
 @dataclass
 class Search:
@@ -50,8 +48,9 @@ class Search:
     own_w: Array
     """Points of the target itself, shape (N, 3) [m]."""
     use_clearance: bool
-    reach: Callable[[Grasp, bool], Posture | None]
-    """Joint angles for a grasp, or None; the flag asks for a free way to it as well."""
+    way: ArmWay
+    calm: bool = True
+    """Refuse arm postures that are near a singularity."""
     rejected: dict[str, int] = field(default_factory=dict)
     alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list)
     unreachable: set[str] = field(default_factory=set)
@@ -86,7 +85,7 @@ class Search:
                     heapq.heappush(heap, (-known.score, name, True, known))
                 continue
             postures += 1
-            posture = self.reach(ranked.grasp, not found)
+            posture = self.way.posture(ranked.grasp, whole=not found, calm=self.calm)
             if posture is None:
                 self.unreachable.add(name)
                 self._reject("out of the arm's reach")
@@ -94,6 +93,11 @@ class Search:
                 found.append((ranked, posture))
         self.alternatives += found[1:]
         return found[0] if found else None
+
+    def accept_any_posture(self) -> None:
+        """From now on restless arm postures will do."""
+        self.calm = False
+        self.unreachable.clear()
 
     def _graded(
         self,

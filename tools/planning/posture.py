@@ -1,0 +1,65 @@
+"""Whether and how the arm can make a grasp: reach, a free way, links clear of everything, and calm enough for the shake."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kb.grasp import Grasp
+from sim.motion import Obstacle, plan_transit
+from sim.reach import Reach, Unreachable, solve_reaches
+from sim.shake import ANGLE, rocked_configurations
+from tools.planning.arm_clearance import arm_clearance
+from tools.planning.candidate import Array
+
+ARM_CLEARANCE = 0.004
+"""Distance that the arm's links keep from everything perceived [m]."""
+OPTIONS = 3
+"""Arm postures looked at for one grasp."""
+CALM = 1.1
+"""Largest swing of a joint while the wrist turns by +-15 degrees [rad]; beyond it the arm is near a singularity, and what
+it holds is thrown about (measured: 1.6 rad lost a screwdriver at any force, ordinary postures need 0.5 to 0.9)."""
+
+Posture = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ArmWay:
+    """The arm as it stands, and what it must not touch."""
+
+    start: Array
+    """Joint angles now [rad], shape (7,)."""
+    points_w: Array
+    """Points of everything but the target, shape (N, 3) [m]."""
+    boxes: tuple[Obstacle, ...]
+    """For the free motion to the pre-grasp."""
+
+    def posture(self, grasp: Grasp, *, whole: bool, calm: bool) -> Posture | None:
+        """Joint angles at the grasp, or None.
+
+        Args:
+            grasp: The grasp.
+            whole: Check the whole motion; otherwise reach alone (alternatives that are only shown).
+            calm: Refuse postures in which turning the wrist swings the arm about.
+        """
+        found = solve_reaches(grasp, self.start, options=OPTIONS if whole else 1)
+        if isinstance(found, Unreachable):
+            return None
+        for reach in found:
+            if not whole or self._free(reach, calm):
+                return tuple(float(q) for q in reach.joints)
+        return None
+
+    def _free(self, reach: Reach, calm: bool) -> bool:
+        if calm and not is_calm(reach):
+            return False
+        if len(self.points_w) and arm_clearance(reach, self.points_w) < ARM_CLEARANCE:
+            return False
+        return plan_transit(self.start, reach.pregrasp, self.boxes) is not None
+
+
+def is_calm(reach: Reach) -> bool:
+    """Whether the shake at the top of the lift moves no joint by more than `CALM`."""
+    rocked = rocked_configurations(reach.lift[-1], np.linspace(-ANGLE, ANGLE, 5))
+    return rocked is None or float(np.ptp(rocked, axis=0).max()) <= CALM
