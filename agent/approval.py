@@ -59,7 +59,7 @@ def apply_decision(plan: Plan, decision: Decision) -> Plan:
     fields: tuple[GraspField, ...] = (
         "position", "approach", "yaw", "aperture", "force", "type", "standoff", "speed",
     )  # fmt: skip
-    changed = [f for f in fields if getattr(plan.grasp, f) != getattr(decision.grasp, f)]
+    changed: list[GraspField] = [f for f in fields if getattr(plan.grasp, f) != getattr(decision.grasp, f)]
     if not changed:
         return plan
     provenance = dict(plan.provenance)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from agent import events
 from agent.agenda import changed, finish, fresh, push, put_back
+from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_RELOOKS
 from agent.language.describe import describe, listing, spoken
@@ -130,9 +131,7 @@ def _thing(state: State, percept: Percept) -> Grounded:
     obj = next(o for o in scope.objects if o.id == got.ids[0])
     held = state.held
     if held is not None and obj.id != held.object.id:
-        back = put_back(held)
-        text = f"My hand is not free: first I put the {held.category.replace('_', ' ')} back."
-        return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
+        return _free_hand(state, held)
     if held is None and goal.placement is not None and goal.placement.kind == "back" and goal.parent is None:
         return _over(state, "There is nothing in my hand that I could put back.")
     placement, problem = _destination(goal.placement, scope)
@@ -156,6 +155,16 @@ def _thing(state: State, percept: Percept) -> Grounded:
     text += f" {got.note}" if got.note else ""
     step = events.Grounding(text=text, goal=state.current, target=obj.id)
     return Grounded(Update(goals=changed(state, grounded), last_target=obj.id), (step,))
+
+
+def _free_hand(state: State, held: Held) -> Grounded:
+    """Puts what is held back first; if that failed once, it is not tried for ever."""
+    name = held.category.replace("_", " ")
+    if any(g.status == "failed" and g.placement is not None and g.placement.kind == "back" for g in state.goals):
+        return _over(state, f"My hand is not free: I could not put the {name} back.")
+    back = put_back(held)
+    text = f"My hand is not free: first I put the {name} back."
+    return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
 
 
 def _destination(placement: Placement | None, scope: Scope) -> tuple[Placement | None, str | None]:
@@ -186,9 +195,7 @@ def _again(state: State, percept: Percept) -> Grounded:
     if held is not None and held.object.id == goal.target:
         return Grounded(Update())
     if held is not None:
-        back = put_back(held)
-        text = f"My hand is not free: first I put the {held.category.replace('_', ' ')} back."
-        return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
+        return _free_hand(state, held)
     if any(obj.id == goal.target for obj in percept.objects):
         return Grounded(Update())
     found = _nearest_like(goal, percept)
@@ -224,10 +231,7 @@ def _many(state: State, percept: Percept) -> Grounded:
     """Clear and sort: fixes once which objects are meant and, for a sort, their order."""
     goal = state.goal
     if state.held is not None:
-        held = state.held
-        back = put_back(held)
-        step = events.SubGoal(text="My hand is not free: first I put that back.", goal=state.current, pushed=back)
-        return Grounded(push(state, back), (step,))
+        return _free_hand(state, state.held)
     if goal.reference is not None and goal.reference.ids:
         return Grounded(Update())
     reference = goal.reference or Reference(words="everything", noun="everything", plural=True)

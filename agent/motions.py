@@ -211,9 +211,16 @@ def place(state: State, runtime: Run) -> Update:
     claimed, note = phrases.placed(sensing, state.goal)
     context.emit(events.Observation(text=note, goal=state.current, sensing=sensing, claimed=claimed))
     handed = claimed and state.goal.placement is not None and state.goal.placement.kind == "hand_over"
+    still = state.held.model_copy(update={"handed_over": handed}) if opened.robot.holding else None
     update = Update(
-        world=context.world.moved(), stale=True, executed=True, sensing=sensing,
-        held=state.held.model_copy(update={"handed_over": True}) if handed else None,
-        motions={**state.motions, state.agenda[-1]: opened.motions}, times=times,
-    )  # fmt: skip
+        world=context.world.moved(),
+        stale=True,
+        executed=True,
+        sensing=sensing,
+        held=still,
+        motions={**state.motions, state.agenda[-1]: opened.motions},
+        times=times,
+    )
+    if not claimed and still is None and state.tries() and len(state.tries()) < budget(context.switches):
+        return update  # it was lost on the way: the goal goes on with another attempt from where it lies now
     return merged(update, finish(state, claimed=claimed, note="" if claimed else note))
