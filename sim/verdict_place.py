@@ -81,7 +81,7 @@ def _on_table(point: Array) -> bool:
 
 
 def _on_side(point: Array, side: str | None) -> bool:
-    """Left is +y, the front is the robot's far side of its own view: +x away from the base is the back."""
+    """Sides as the robot sees them from its base: left is +y, the front is near it, the back far from it."""
     middle_x = (ON_TABLE[0][0] + ON_TABLE[0][1]) / 2
     return {
         "left": point[1] > 0.05,
