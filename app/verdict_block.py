@@ -19,7 +19,8 @@ def print_verdict(console: Console, result: RunResult) -> None:
         if goal.kind in ("look", "answer"):
             continue
         _print_goal(console, number, goal, executed=result.executed)
-    required = [item for item in result.constraints if item.required]
+    # Without a motion nothing was kept or broken.
+    required = [item for item in result.constraints if item.required and result.executed]
     for item in required:
         word = "kept" if item.satisfied else "broken"
         known = "inferred" if item.inferred else "not inferred"
@@ -50,7 +51,7 @@ def _print_goal(console: Console, number: int, goal: GoalRecord, *, executed: bo
         name += f" (in truth: {goal.object})"
     line = Text(f"{name}: ", style="bold")
     if not executed:
-        line.append("planned" if goal.success else "not planned", style="green" if goal.success else "yellow")
+        line.append("planned" if goal.success else "not done", style="green" if goal.success else "yellow")
     else:
         line.append("claimed " + ("yes" if goal.claimed else "no"))
         line.append(", ")
