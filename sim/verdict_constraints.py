@@ -13,7 +13,7 @@ from kb.vocabulary import ConstraintKind
 from sim.placed import PlacedScene, Task
 from sim.pose import Array, angle_between, degrees, point_in_world
 from sim.track import Layout, Track
-from sim.verdict_damage import contact_from, displacement, tilt
+from sim.verdict_damage import contact_from, displacement, handled, tilt
 from sim.verdict_grip import TOUCH, Grip
 
 FORCE_LIMIT = 2.0
@@ -88,7 +88,7 @@ def _left_alone(target: str, trial: Trial) -> tuple[bool, dict[str, Any]]:
     """Contact force below the limit in every motion that was not about the target itself; with movement and tilt."""
     force, moved, tilted = 0.0, 0.0, 0.0
     for grips, meant in zip(trial.motions, trial.meants, strict=True):
-        if meant == target or target not in grips:
+        if meant == target or target not in grips or handled(grips[target], meant):
             continue
         grip = grips[target]
         force = max(force, float(contact_from(grip, trial.layout, grip.track)[0].max()))

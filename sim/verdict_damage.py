@@ -84,9 +84,17 @@ def damages(all_grips: dict[str, Grip], uprights: dict[str, Array], meant: str |
             row = toppled(grip, uprights[name])
             if row >= 0:
                 found.append(Damage(name, "topple", row))
-            if name != meant:
+            if name != meant and not handled(grip, meant):
                 found.extend(_impulse(grip, meant))
     return sorted(found, key=lambda damage: damage.row)
+
+
+def handled(grip: Grip, meant: str | None) -> bool:
+    """Whether the thing was carried through the motion, or gripped in a motion of which nobody said what it was about.
+
+    Such a thing is touched on purpose; it is no neighbour.
+    """
+    return bool(grip.pinched[0]) or (meant is None and (grip.gripped or grip.taken))
 
 
 def disturbed(all_grips: dict[str, Grip], but: tuple[str | None, ...]) -> tuple[str, ...]:

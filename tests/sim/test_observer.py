@@ -245,3 +245,16 @@ def test_tool_grasp_conditions() -> None:
     tilted = straight.model_copy(update={"approach": sloped, "position": (0.45, 0.0, 0.02)})
     _, _, side = perform(scene(driver, task=task), tilted, "driver")
     assert side.failure != "CONSTRAINT_VIOLATION"
+
+
+def test_carrying_a_fragile_thing_is_no_damage() -> None:
+    """The impulse rule protects neighbours: what the hand carries home is touched on purpose."""
+    fragile = thing("wood_cube", "cube", 0.5, 0.05, fragility=0.9)
+    world = World(scene(fragile))
+    robot, observer = Robot(world), Observer(world)
+    robot.grasp(grasp(0.5, 0.05, 0.025, force=3.0))
+    picked = world.attempt
+    assert observer.judge(picked, "cube").success
+    robot.go_home()
+    assert observer.damaged() == ()
+    assert observer.judge(picked, "cube").success
