@@ -35,16 +35,12 @@ from tools.planning.rank_candidates import Ranked, estimate, lessons
 from tools.planning.remembered import RememberedGrasp
 from tools.planning.search import Search
 from tools.planning.shape_grasp import explain, shape_grasp
-from tools.planning.surroundings import surroundings, thinned
+from tools.planning.surroundings import own_points, surroundings
 
 CLEARANCE = 0.006
 """Clearance wanted from everything perceived [m]; scaled by the margins of constraints and corrections."""
 LAST_CLEARANCES = (0.003, -0.001)
 """If nothing has that much, any region with this much is taken [m]; the last is contact within perception's error."""
-
-
-OWN_POINTS = 400
-"""Points of the target that the hand's way is checked against."""
 
 
 class PlanArgs(Noun):
@@ -111,7 +107,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         correction=correction,
         avoid=lessons(args.retrieval) if switches.prior == "experience" else (),
         neighbours_w=way.points_w,
-        own_w=thinned(subject.surface_points(), OWN_POINTS),
+        own_w=own_points(subject),
         use_clearance=switches.clearance,
         way=way,
         rejected=rejected,

@@ -81,6 +81,8 @@ def _on_the_way(case: Case) -> Anomaly | None:
     if sensed.stopped_by != "force" or sensed.phase not in ("transit", "approach"):
         return None
     said = f"{sensed.abort_force:.0f} N stopped the {sensed.phase}"
+    if sensed.phase == "transit":
+        return Anomaly("COLLISION", 0.8, (said, "nothing should be on the free way"))
     neighbours = surroundings(case.percept, case.target.id)
     gap = float(swept_distances(case.plan.grasp, neighbours).min()) if len(neighbours) else np.inf
     if case.plan.grasp.aperture < case.plan.local_width + TIGHT:

@@ -19,7 +19,6 @@ from kb.percept import Part, PerceivedObject
 from kb.vocabulary import FailureType
 from sim.draw_scene import draw_scene
 from sim.observer import Observer
-from sim.reach import Reach, solve_reach
 from sim.robot import Robot
 from sim.scene_spec import ObjectSpec, Randomise, SceneSpec
 from sim.world import World
@@ -31,6 +30,7 @@ from tools.planning.body_candidates import side_floor, tip_floor
 from tools.planning.candidate import Candidate, horizontal, vec3, wrap
 from tools.planning.generate_candidates import generate_candidates
 from tools.planning.obstacles import obstacle_of
+from tools.planning.posture import ArmWay, Posture
 from tools.planning.shape_grasp import wide_opening
 
 POSE_NOISE = 0.0012
@@ -75,10 +75,12 @@ def run_trial(model: str, recipe: Recipe, seed: int, force: float, embedder: Emb
     views = robot.look(rng, ("front",)) if embedder is not None else ()
     true = OraclePerceiver(world, embedder).perceive(tuple(views), PerceiveArgs()).objects[0]
     subject = displaced(true, rng.normal(0.0, POSE_NOISE, 2))
-    candidate, grasp = choose(subject, recipe, force, robot)
-    if grasp is None or candidate is None:
+    way = ArmWay(robot.joints, np.zeros((0, 3)), (obstacle_of(subject),))
+    chosen = choose(subject, recipe, force, way)
+    if chosen is None:
         return _outcome(true, None, force, 0.5, False, "UNREACHABLE_POSE", 0.0)
-    sensed = robot.grasp(grasp, obstacles=(obstacle_of(subject),), force_limit=abort_force(subject))
+    grasp, joints = chosen
+    sensed = robot.grasp(grasp, joints=joints, obstacles=way.boxes, force_limit=abort_force(subject))
     seen = observer.judge(world.attempt, "thing")
     depth = (grasp.position[2] - true.base_z) / true.size[2]
     return _outcome(true, grasp, force, depth, seen.success, seen.failure, max(0.0, sensed.load_end))
@@ -117,10 +119,8 @@ def displaced(subject: PerceivedObject, shift: np.ndarray) -> PerceivedObject:
     return subject.model_copy(update={"position": moved(subject.position), "parts": parts})
 
 
-def choose(
-    subject: PerceivedObject, recipe: Recipe, force: float, robot: Robot
-) -> tuple[Candidate, Grasp] | tuple[None, None]:
-    """The first reachable candidate that does what the recipe says, best geometry first."""
+def choose(subject: PerceivedObject, recipe: Recipe, force: float, way: ArmWay) -> tuple[Grasp, Posture] | None:
+    """The first candidate that does what the recipe says and that the arm can make, best geometry first."""
     fitting = [
         candidate
         for candidate in generate_candidates(subject)
@@ -129,20 +129,22 @@ def choose(
         and candidate.approach_class == recipe.approach
     ]
     fitting.sort(key=lambda candidate: (_strangeness(candidate, recipe), candidate.name))
-    for candidate in fitting[:TRIED_PLACES]:
-        bent = bend(candidate, subject, recipe)
-        grasp = Grasp(
-            position=bent.position,
-            approach=bent.approach,
-            yaw=bent.yaw,
-            aperture=recipe.aperture or wide_opening(bent),
-            force=force,
-            type=bent.type,
-            speed=recipe.speed,
-        )
-        if isinstance(solve_reach(grasp, robot.joints), Reach):
-            return bent, grasp
-    return None, None
+    for calm in (True, False):
+        for candidate in fitting[:TRIED_PLACES]:
+            bent = bend(candidate, subject, recipe)
+            grasp = Grasp(
+                position=bent.position,
+                approach=bent.approach,
+                yaw=bent.yaw,
+                aperture=recipe.aperture or wide_opening(bent),
+                force=force,
+                type=bent.type,
+                speed=recipe.speed,
+            )
+            posture = way.posture(grasp, whole=True, calm=calm)
+            if posture is not None:
+                return grasp, posture
+    return None
 
 
 def _strangeness(candidate: Candidate, recipe: Recipe) -> float:

@@ -11,6 +11,10 @@ REACH_OF_HAND = 0.32
 """Objects farther from the target than this can't be met by the hand [m]: half a hand, the lift and a margin."""
 POINTS_PER_OBJECT = 300
 """Enough for 7-mm gaps on the surfaces of things this size; the clearance wanted covers the rest."""
+OWN_POINTS = 400
+"""Observed points of the target that the hand's way is checked against."""
+BODY_MARGIN = 0.004
+"""Points this far outside the rim's circle belong to a handle [m]."""
 
 
 def surroundings(percept: Percept, target: str) -> Array:
@@ -42,6 +46,22 @@ def completed(other: PerceivedObject) -> Array:
     turned = points_w.copy()
     turned[:, :2] = 2 * np.asarray(other.position)[:2] - turned[:, :2]
     return np.concatenate([points_w, turned])
+
+
+def own_points(target: PerceivedObject) -> Array:
+    """Observed points of the target, its round body turned to the sides that no camera saw, shape (N, 3) [m].
+
+    Handles stick out of the body and are not turned.
+    """
+    points_w = thinned(target.surface_points(), OWN_POINTS)
+    rim = target.part("rim")
+    axis = rim if rim is not None and rim.radius is not None else None
+    if axis is None or axis.radius is None or len(points_w) < 8:
+        return points_w
+    offset = points_w - np.asarray(axis.centre)
+    body = offset[np.hypot(offset[:, 0], offset[:, 1]) < axis.radius + BODY_MARGIN]
+    turned = [body @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) for c, s in ((0, 1), (-1, 0), (0, -1))]
+    return np.concatenate([points_w, *(cloud + np.asarray(axis.centre) for cloud in turned)])
 
 
 def thinned(points_w: Array, limit: int) -> Array:
