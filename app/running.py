@@ -113,5 +113,6 @@ def _finish(record: RunRecord, result: RunResult, console: Console) -> None:
         with console.status("writing the record") as status:
             files = record.finish(result, status.update)
     else:
+        console.print("writing the record: pictures, then the video")
         files = record.finish(result)
     console.print(f"recorded {len(files)} files in {record.folder}; look again with: ragvlm show {record.folder}")

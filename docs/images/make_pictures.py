@@ -1,6 +1,6 @@
 """Makes the pictures of the documentation again, from real runs, with the project's own ray-cast painter.
 
-    python docs/images/make_pictures.py [--quick]
+python docs/images/make_pictures.py [--quick]
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from sim.viewpoint import Viewpoint
 from tools.draw_scene_graph import draw_scene_graph
 
 HERE = Path(__file__).parent
-FRONT_PAGE = Viewpoint(eye=(1.50, 0.84, 0.66), target=(0.30, -0.10, 0.27), fovy=34.0)
+FRONT_PAGE = Viewpoint(eye=(1.42, 0.80, 0.62), target=(0.305, -0.115, 0.272), fovy=32.5)
 SIZE = (1280, 720)
 
 
