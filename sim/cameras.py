@@ -72,12 +72,12 @@ FRONT = _exact("front", look_at(FRONT_EYE, FRONT_TARGET))
 TOP = _exact("top", look_at(TOP_EYE, (0.55, 0.0, 0.0), up=(1.0, 0.0, 0.0)))
 
 
-def draw_cameras(rng: np.random.Generator) -> tuple[CameraDraw, ...]:
-    """Both cameras, displaced from their nominal poses and told to the robot but for a calibration residual."""
+def draw_cameras(rng: np.random.Generator, *, residual: float = 1.0) -> tuple[CameraDraw, ...]:
+    """Both cameras, displaced from their nominal poses and told to the robot but for `residual` times the calibration's."""
     drawn: list[CameraDraw] = []
     for nominal in (FRONT, TOP):
         true = _displaced(nominal.true_pose, rng, JITTER_M, JITTER_RAD)
-        told = _displaced(true, rng, RESIDUAL_M, RESIDUAL_RAD)
+        told = _displaced(true, rng, residual * RESIDUAL_M, residual * RESIDUAL_RAD)
         drawn.append(CameraDraw(name=nominal.name, true_pose=true, told_pose=told))
     return tuple(drawn)
 

@@ -29,16 +29,20 @@ from sim.tasks.family import Family, family_of
 
 PLACE_TRIES = 20
 """Draws of one object's place before the whole placement is drawn again."""
+MOST_UNCERTAIN = 0.9
+"""Largest relative half-width of the draws of mass and friction."""
 ATTEMPTS = 100
 """Draws of a whole placement before a scene counts as impossible."""
 
 
-def draw_scene(spec: SceneSpec, seed: int) -> PlacedScene:
+def draw_scene(spec: SceneSpec, seed: int, *, noise: float = 1.0) -> PlacedScene:
     """The world of one trial.
 
     Args:
         spec: The scene.
         seed: Any non-negative integer; the same seed gives the same world, bit for bit.
+        noise: Scale of what the robot can't know: mass, friction and the residual of the cameras' calibration. The draws
+            are the same for every scale, so that places, sizes and looks do not depend on it.
 
     Raises:
         BadInputError: an object overlaps another, hangs off the table, is out of reach, or no placement was found.
@@ -46,14 +50,25 @@ def draw_scene(spec: SceneSpec, seed: int) -> PlacedScene:
     root = np.random.SeedSequence([seed, digest(spec.name)])
     vary, place, look, cameras, contents, instances = root.spawn(6)
     family = family_of(spec)
+    spec = spec.model_copy(update={"randomise": scaled(spec.randomise, noise)})
     spec = family.vary(spec, np.random.default_rng(vary))
     streams = [np.random.default_rng(stream) for stream in instances.spawn(len(spec.objects))]
     things = {entry.id: draw_object(entry, spec, stream) for entry, stream in zip(spec.objects, streams, strict=True)}
     scene = PlacedScene(
-        name=spec.name, seed=seed, objects=(), cameras=draw_cameras(np.random.default_rng(cameras)), task=_task(spec)
+        name=spec.name,
+        seed=seed,
+        objects=(),
+        task=_task(spec),
+        cameras=draw_cameras(np.random.default_rng(cameras), residual=noise),
     )
     scene = lit(scene, np.random.default_rng(look))
     return _placed(spec, scene, things, family, np.random.default_rng(place), np.random.default_rng(contents))
+
+
+def scaled(spread: Randomise, noise: float) -> Randomise:
+    """The spread with mass and friction scaled by `noise`; they stay positive."""
+    mass, friction = (min(MOST_UNCERTAIN, noise * value) for value in (spread.mass, spread.friction))
+    return spread.model_copy(update={"mass": mass, "friction": friction})
 
 
 def digest(name: str) -> int:

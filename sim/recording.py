@@ -32,6 +32,8 @@ class Recording:
     """All sensors, shape (T, ns); columns by name in `WorldIndex.sensors`."""
     ended_by: str | None = None
     """What the guard said when it ended the run early."""
+    grip_force: float | None = None
+    """Largest force of the gripper motor per finger during the run [N]."""
 
     def __len__(self) -> int:
         return len(self.time)

@@ -117,8 +117,9 @@ class World:
                 if ended_by is not None:
                     made = i + 1
                     break
+        force = float(model.actuator_forcerange[self.index.gripper, 1])
         recording = Recording(
-            phase, self.attempt, time[:made], qpos[:made], qvel[:made], controls[:made], sensed[:made], ended_by
+            phase, self.attempt, time[:made], qpos[:made], qvel[:made], controls[:made], sensed[:made], ended_by, force
         )
         for recorder in self.recorders:
             recorder.on_recording(recording)

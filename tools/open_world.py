@@ -70,7 +70,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
         scene: built-in name or path of a scene file.
         seed: everything random in the world follows from it.
         evaluator: "mujoco" for contact physics, "analytic" for the paper's kind of simulation.
-        noise: scale of the camera noise.
+        noise: scale of the uncertainties: camera noise and calibration, friction and mass.
 
     Raises:
         BadInputError: unknown scene, evaluator, or a scene file that is not valid.
@@ -84,7 +84,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
     from sim.world import World
 
     spec = load_scene(scene)
-    placed = dataclasses.replace(draw_scene(spec, seed), noise=noise)
+    placed = dataclasses.replace(draw_scene(spec, seed, noise=noise), noise=noise)
     world, stop = World(placed), StopSwitch()
     if evaluator == "analytic":
         from sim.analytic import AnalyticRobot

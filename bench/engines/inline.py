@@ -1,0 +1,15 @@
+"""Jobs one after the other in this process: for one worker, profiling and tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from bench.job import Job
+from bench.row import Row
+from bench.run_job import run_job
+
+
+def run_inline(jobs: Sequence[Job]) -> Iterator[Row]:
+    """All rows of all jobs, in order."""
+    for job in jobs:
+        yield from run_job(job)

@@ -1,0 +1,69 @@
+"""One line of trials.jsonl as it is written: a RunResult, and where in the benchmark it stands."""
+
+from __future__ import annotations
+
+from bench.job import Job, RowKey
+from kb.run_result import RunResult
+
+
+class Row(RunResult):
+    """The public result of a trial with its place in the benchmark (product.md, "Benchmark output")."""
+
+    task: str
+    repetition: int
+    trial: int
+    suite: str
+    noise: float
+    wall_s: float
+    """Wall time of this trial in its worker [s]; what the trial shared with others counts for the first of them."""
+    harness_error: str | None = None
+    """What went wrong in the harness; such a trial is a failure, and counted apart from failed grasps."""
+    bare_step_ratio: float | None = None
+    """Wall time of the grasps over that of bare physics steps of the same number, where it was measured."""
+    shared_looks: int = 0
+    """Looks whose percept an earlier configuration of the same trial had already computed."""
+
+    @property
+    def key(self) -> RowKey:
+        """What makes it unique."""
+        return self.configuration, self.task, self.repetition, self.trial, self.noise
+
+
+def row_of(
+    job: Job, result: RunResult, *, wall_s: float, bare_step_ratio: float | None = None, shared_looks: int = 0
+) -> Row:
+    """The row of a trial that ran."""
+    return Row(
+        **dict(result),
+        task=job.task.name,
+        repetition=job.repetition,
+        trial=job.trial,
+        suite=job.task.suite,
+        noise=job.noise,
+        wall_s=round(wall_s, 6),
+        bare_step_ratio=None if bare_step_ratio is None else round(bare_step_ratio, 4),
+        shared_looks=shared_looks,
+    )
+
+
+def error_row(job: Job, configuration: str, error: str, *, wall_s: float = 0.0) -> Row:
+    """The row of a trial that the harness could not carry out."""
+    return Row(
+        instruction="",
+        scene=job.task.name,
+        seed=job.seed,
+        configuration=configuration,
+        brain=job.settings.brain,
+        perception=job.settings.perception,
+        evaluator=job.settings.evaluator,
+        executed=False,
+        success=False,
+        answer="",
+        task=job.task.name,
+        repetition=job.repetition,
+        trial=job.trial,
+        suite=job.task.suite,
+        noise=job.noise,
+        wall_s=round(wall_s, 6),
+        harness_error=" ".join(error.split())[:500],
+    )

@@ -1,0 +1,95 @@
+"""Runs one job in this process: one world, opened once, and each of its configurations from the very same state.
+
+A configuration that fails to grasp is a result; one that raises is a harness error, recorded and counted apart.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from bench.bare_ratio import MotionMeter
+from bench.job import Job
+from bench.row import Row, error_row, row_of
+from bench.shared_looks import SharedLooks, SharingPerceiver, SharingRobot
+from bench.suite import instruction_of
+
+log = logging.getLogger(__name__)
+
+
+def run_job(job: Job) -> Iterator[Row]:
+    """One row per configuration, each as soon as it is finished. Raises nothing but what stops the process."""
+    start = time.perf_counter()
+    try:
+        shared = _Shared(job)
+    except Exception as error:
+        log.debug("the world of %s seed %d cannot be opened", job.task.name, job.seed, exc_info=True)
+        for configuration in job.configurations:
+            yield error_row(job, configuration, _said(error), wall_s=time.perf_counter() - start)
+        return
+    for configuration in job.configurations:
+        try:
+            row = shared.run(configuration, time.perf_counter() - start)
+        except Exception as error:
+            log.debug("%s failed", job.key(configuration), exc_info=True)
+            row = error_row(job, configuration, _said(error), wall_s=time.perf_counter() - start)
+        yield row
+        start = time.perf_counter()
+
+
+def _said(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+class _Shared:
+    """The world of a job, and what its configurations have in common."""
+
+    def __init__(self, job: Job) -> None:
+        from tools.open_world import open_world
+
+        self.job = job
+        self.instruction = instruction_of(job.task.name, job.seed)
+        self.opened = open_world(job.task.name, job.seed, evaluator=job.settings.evaluator, noise=job.noise)
+        self.start = self.opened.snapshot()
+        self.looks = SharedLooks()
+        self._perceivers: dict[str, Any] = {}
+        self.robot = self.opened.robot
+
+    def run(self, configuration: str, before: float) -> Row:
+        """The row of one configuration; `before` is the time already spent on it [s]."""
+        from agent import build_agent
+        from agent.configuration import configuration as named
+
+        began = time.perf_counter()
+        settings, hits = self.job.settings, self.looks.hits
+        # Every configuration begins at the same bits, the first one too.
+        self.opened.restore(self.start)
+        self.opened.stop.release()
+        meter = MotionMeter(
+            SharingRobot(self.robot, self.opened.world, self.looks), self.opened.world, self.job.measure
+        )
+        self.opened.robot = meter
+        perception = named(configuration).perception or settings.perception
+        agent = build_agent(
+            scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
+            evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
+            opened=self.opened, perceiver=self._perceiver(perception),
+        )  # fmt: skip
+        agent.context.clock = self.looks.clock
+        result = agent.run(self.instruction)
+        wall = before + time.perf_counter() - began - meter.spent
+        return row_of(
+            self.job, result, wall_s=wall, bare_step_ratio=meter.ratio, shared_looks=self.looks.hits - hits
+        )  # fmt: skip
+
+    def _perceiver(self, name: Any) -> SharingPerceiver:
+        """The perceiver of that name, made once."""
+        from kb.shape_colour import ShapeColourEmbedder
+        from tools.open_world import open_perceiver
+
+        if name not in self._perceivers:
+            perceiver = open_perceiver(name, self.opened, ShapeColourEmbedder())
+            self._perceivers[name] = SharingPerceiver(perceiver, name, self.looks)
+        return self._perceivers[name]

@@ -1,0 +1,115 @@
+"""Runs a benchmark: what is still missing of the plan, on the chosen engine, every row on disk as soon as it is there."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bench.job import BenchPlan, Job, jobs
+from bench.journal import TRIALS, Journal
+from bench.row import Row
+
+OnRow = Callable[[int, int, Row], None]
+"""Told after each row: rows of the plan done, rows of the plan in all, the row."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one sitting did."""
+
+    folder: Path
+    rows: int
+    """Rows of the plan."""
+    ran: int
+    """Rows that this sitting added."""
+    harness_errors: int
+    """Of those, trials that the harness could not carry out."""
+    wall_s: float
+    """Wall time of all sittings of the folder [s]."""
+    workers: int
+    repaired: tuple[str, ...] = field(default=())
+    """What was mended in the journal before."""
+
+
+def run_benchmark(
+    plan: BenchPlan,
+    folder: Path,
+    *,
+    workers: int = 1,
+    dask: str | None = None,
+    resume: bool = False,
+    command: str = "",
+    on_start: Callable[[int, int, Sequence[str]], None] = lambda _done, _all, _repaired: None,
+    on_row: OnRow = lambda _done, _all, _row: None,
+) -> Outcome:
+    """Runs what is missing of the plan and appends it to the folder's trials.
+
+    Args:
+        plan: What the finished benchmark has.
+        folder: Output folder.
+        workers: Processes of this machine; 1 runs in this one.
+        dask: Address of a Dask scheduler that runs the jobs instead.
+        resume: Go on with the trials that are in the folder.
+        command: What was typed, for the record.
+        on_start: Told once: rows that are there, rows in all, what was mended.
+        on_row: Told after each row.
+
+    Raises:
+        BadInputError: the folder can't be used.
+        EnvironmentFaultError: workers or cluster are not to be had.
+    """
+    with Journal(folder, plan.settings, resume=resume) as journal:
+        todo = jobs(plan, journal.done)
+        done = plan.rows - sum(len(job.configurations) for job in todo)
+        on_start(done, plan.rows, journal.repaired)
+        start, ran, errors = time.perf_counter(), 0, 0
+        try:
+            for row in _rows(todo, workers, dask):
+                journal.append(row)
+                ran += 1
+                errors += row.harness_error is not None
+                on_row(done + ran, plan.rows, row)
+        finally:
+            session: dict[str, Any] = {
+                "command": command,
+                "finished": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+                "workers": workers,
+                "engine": f"dask {dask}" if dask else "processes" if workers > 1 else "inline",
+                "rows": ran,
+                "wall_s": round(time.perf_counter() - start, 3),
+            }
+            journal.note_session(session)
+        return Outcome(
+            folder=folder,
+            rows=plan.rows,
+            ran=ran,
+            harness_errors=errors,
+            wall_s=sum(float(sitting["wall_s"]) for sitting in journal.sessions),
+            workers=workers,
+            repaired=tuple(journal.repaired),
+        )
+
+
+def _rows(todo: Sequence[Job], workers: int, dask: str | None) -> Iterator[Row]:
+    """The rows of the jobs, from the engine that fits."""
+    if not todo:
+        return iter(())
+    if dask is not None:
+        from bench.engines.dask_cluster import run_on_dask
+
+        return run_on_dask(todo, dask)
+    if workers > 1:
+        from bench.engines.processes import run_in_processes
+
+        return run_in_processes(todo, workers)
+    from bench.engines.inline import run_inline
+
+    return run_inline(todo)
+
+
+def trials_file(folder: Path) -> Path:
+    """Where the rows are."""
+    return folder / TRIALS
