@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from kb.base import Noun
+from kb.base import Noun, Vec3
 from kb.constraint import Constraints
 from kb.percept import PerceivedObject, Percept
 from kb.run_result import Level
@@ -63,3 +63,12 @@ class Held(Noun):
     motion: int = 0
     """Number of the motion that took it."""
     handed_over: bool = False
+
+
+class Moved(Noun):
+    """The thing that was put somewhere last: the next look finds it elsewhere."""
+
+    id: str
+    category: str
+    origin: Vec3
+    """Where it stood before it was taken [m]."""

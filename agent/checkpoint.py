@@ -11,6 +11,7 @@ from kb.errors import EnvironmentFaultError
 TYPES: tuple[tuple[str, str], ...] = (
     ("agent.attempt", "Attempt"),
     ("agent.attempt", "Held"),
+    ("agent.attempt", "Moved"),
     ("agent.goal", "Goal"),
     ("kb.constraint", "Constraints"),
     ("kb.experience", "Retrieval"),

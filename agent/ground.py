@@ -132,9 +132,11 @@ def _thing(state: State, percept: Percept) -> Grounded:
     held = state.held
     if held is not None and obj.id != held.object.id:
         return _free_hand(state, held)
-    if held is None and goal.placement is not None and goal.placement.kind == "back" and goal.parent is None:
-        return _over(state, "There is nothing in my hand that I could put back.")
     placement, problem = _destination(goal.placement, scope)
+    if held is None and placement is not None and placement.kind == "back":
+        if state.moved is None or state.moved.id != obj.id:
+            return _over(state, "I have moved nothing that I could put back.")
+        placement = placement.model_copy(update={"point": state.moved.origin[:2]})
     if placement is not None and placement.kind == "bin" and percept.bin is None:
         problem = None if placement.or_aside else "There is no bin here."
         placement = placement.model_copy(update={"kind": "aside"}) if placement.or_aside else placement

@@ -8,7 +8,7 @@ from langgraph.types import interrupt
 from agent import events, phrases
 from agent.agenda import finish
 from agent.approval import Decision, apply_decision, proposal
-from agent.attempt import Attempt, Held
+from agent.attempt import Attempt, Held, Moved
 from agent.compare_looks import compare_looks
 from agent.context import AgentContext
 from agent.episode import history, with_success
@@ -218,6 +218,7 @@ def place(state: State, runtime: Run) -> Update:
         executed=True,
         sensing=sensing,
         held=still,
+        moved=Moved(id=state.held.object.id, category=state.held.category, origin=state.held.object.position),
         motions={**state.motions, state.agenda[-1]: opened.motions},
         times=times,
     )

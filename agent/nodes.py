@@ -15,6 +15,7 @@ from agent.brain import Situation
 from agent.context import AgentContext
 from agent.episode import recalled
 from agent.ground import ground_goals
+from agent.known_things import found_again, without_held
 from agent.state import State, Update, merged
 from kb.constraint import Constraints
 from memory import EpisodicMemory
@@ -94,7 +95,7 @@ def look(state: State, runtime: Run) -> Update:
     with context.timed("perception", times):
         percept = perceive(args, context.tool("look", state.looks))
     pictures = context.pictures()
-    percept = phrases.without_held(percept, state.held)
+    percept = found_again(without_held(percept, state.held), state.percept, state.moved)
     context.emit(events.Look(text=phrases.seen(percept), goal=state.current, percept=percept, pictures=pictures))
     return Update(percept=percept, stale=False, looks=state.looks + 1, pictures=pictures, times=times)
 

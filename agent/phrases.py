@@ -21,6 +21,13 @@ PLACES = {
     "bin": "in the bin", "back": "back where it was", "aside": "out of the way", "hand_over": "to you", "lane": "in its lane",
 }  # fmt: skip
 
+QUESTIONS = {
+    "see": "say what I see", "where": "find {thing}", "near": "say what is near", "why": "explain the last grasp",
+    "why_failed": "explain the failure", "what_if": "simulate the last grasp with another force", "help": "explain what I can do",
+    "stop": "stop", "held": "say what I hold", "properties": "describe {thing}", "count": "count {thing}",
+}  # fmt: skip
+"""What a question asks for, in words."""
+
 
 def sentence(text: str) -> str:
     """The text with a capital letter and a full stop."""
@@ -28,6 +35,11 @@ def sentence(text: str) -> str:
     if not text:
         return ""
     return text[0].upper() + text[1:] + ("" if text[-1] in ".?!" else ".")
+
+
+def a(name: str) -> str:
+    """The name with its indefinite article."""
+    return ("an " if name[0] in "aeiou" else "a ") + plain(name)
 
 
 def plain(name: str) -> str:
@@ -81,14 +93,6 @@ def nouns(goals: tuple[Goal, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(said))
 
 
-def without_held(percept: Percept, held: Held | None) -> Percept:
-    """The percept without the thing in the hand, which the cameras see in the air."""
-    if held is None:
-        return percept
-    rest = tuple(obj for obj in percept.objects if obj.id != held.object.id)
-    return percept.model_copy(update={"objects": rest})
-
-
 def seen(percept: Percept) -> str:
     """What a look shows."""
     how = " (oracle: read from the truth)" if percept.perception == "oracle" else ""
@@ -110,7 +114,7 @@ def retrieved(got: Retrieval) -> str:
         return f"No success among {len(got.top)} experiences (funnel {funnel})."
     e = best.experience
     return (
-        f"Best of {len(got.top)} experiences is {e.id}, a {plain(e.category)}: score {best.score:.2f}, "
+        f"Best of {len(got.top)} experiences is {e.id}, {a(e.category)}: score {best.score:.2f}, "
         f"{e.n_success} of {e.n_trials} trials succeeded (funnel {funnel})."
     )
 

@@ -60,7 +60,9 @@ def place_args(state: State) -> PlaceArgs:
             percept=percept, held=held.plan, object=held.object, kind="point", point=middle, keep_in=corners
         )
     if placement.kind == "back":
-        return PlaceArgs(percept=percept, held=held.plan, object=held.object, kind="point", point=(x, y))
+        return PlaceArgs(
+            percept=percept, held=held.plan, object=held.object, kind="point", point=placement.point or (x, y)
+        )
     slot = sum(
         goal.status == "done" and goal.placement is not None and goal.placement.kind == "bin" for goal in state.goals
     ) + sum(not on_table(obj, percept) for obj in here)

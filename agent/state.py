@@ -11,7 +11,7 @@ from typing import Annotated, TypedDict
 from langchain_core.messages import AnyMessage
 from langgraph.graph.message import add_messages
 
-from agent.attempt import Attempt, Held, add_attempts
+from agent.attempt import Attempt, Held, Moved, add_attempts
 from agent.goal import Goal
 from kb.constraint import Constraints
 from kb.experience import Retrieval
@@ -74,6 +74,8 @@ class State:
     """Perceived id of what was dealt with last, for "it" and "the other one"."""
     world: bytes = b""
     """Opaque snapshot after the last motion; empty while nothing has moved."""
+    moved: Moved | None = None
+    """What was put somewhere last, for "it" and "undo"."""
     motions: dict[int, int] = field(default_factory=dict)
     """Place goals of this turn: index -> number of the placing motion."""
     extra_actions: int = 0
@@ -135,6 +137,7 @@ class Update(TypedDict, total=False):
     held: Held | None
     last_target: str | None
     world: bytes
+    moved: Moved | None
     motions: dict[int, int]
     extra_actions: int
     relooks: int

@@ -11,7 +11,6 @@ from agent.answer import answer
 from agent.brain import Deliberation, Reflected, Situation, Spoken
 from agent.goal import Goal, Understanding
 from agent.language.read_command import understand
-from kb.grasp import Provenance
 from kb.percept import PerceivedObject
 from kb.sensing import Correction, Plan
 from prompts import render
@@ -113,27 +112,22 @@ def _numbers(plan: Plan) -> dict[str, str]:
 
 
 def _source(situation: Situation) -> str:
-    """Which experience or memory the strategy comes from, by the plan's own provenance."""
+    """Which memory or experience the strategy comes from, by the plan's own provenance."""
     assert situation.plan is not None
-    sources: tuple[Provenance, ...] = situation.plan.provenance.get("type", ())
-    for item in sources:
-        if item.source == "memory":
-            return "It worked like this before in this session."
-        if item.source == "experience":
-            found = _experience(situation, item.id)
-            return found or f"Experience {item.id} did it like this."
-    return "No experience of this kind helps; the object's shape decides."
-
-
-def _experience(situation: Situation, entry_id: str) -> str | None:
+    used = [item for sources in situation.plan.provenance.values() for item in sources]
+    if any(item.source == "memory" for item in used):
+        return "It worked like this before in this session."
+    ids = {item.id for item in used if item.source == "experience"}
     for item in situation.retrieval.top if situation.retrieval else ():
-        if item.experience.id == entry_id:
-            e = item.experience
+        e = item.experience
+        if e.id in ids:
             return (
-                f"Experience {e.id}, a {phrases.plain(e.category)} taken by the {e.strategy.region}, succeeded in "
-                f"{e.n_success} of {e.n_trials} trials."
+                f"Experience {e.id}, {phrases.a(e.category)} taken by the {e.strategy.region}, succeeded in {e.n_success} of "
+                f"{e.n_trials} trials."
             )
-    return None
+    if situation.retrieval is not None and situation.retrieval.top:
+        return "None of the retrieved strategies can be carried out here, so the measured shape decides."
+    return "There is no experience to go by, so the measured shape decides."
 
 
 def _rule(situation: Situation) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from agent.goal import Reference, RelationWord
 from agent.language import lexicon
-from agent.language.describe import absent, spoken
+from agent.language.describe import absent, listing, spoken
 from agent.language.single_out import single_out
 from kb.base import Noun
 from kb.percept import PerceivedObject, Percept
@@ -90,6 +90,8 @@ def _pronoun(scope: Scope) -> Resolution:
         return Resolution(ids=(scope.last,))
     if len(scope.objects) == 1:
         return Resolution(ids=(scope.objects[0].id,))
+    if scope.last is not None:
+        return Resolution(problem=f"I no longer see what you mean. I see {listing(scope.objects)}.")
     return Resolution(problem="I don't know what you mean by that: nothing was spoken of yet.")
 
 
