@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 from agent.configuration import configuration as configuration_named
 from agent.conversation import Agent, Approve
 from kb.errors import BadInputError, EnvironmentFaultError
-from kb.vocabulary import EvaluatorName, PerceptionName
+from kb.vocabulary import EvaluatorName, FailureType, PerceptionName
 
 if TYPE_CHECKING:
     from agent.brain import Brain
+    from kb.percept import PerceivedObject
     from memory import EpisodicMemory
     from tools.open_world import OpenedWorld
 
@@ -122,9 +123,14 @@ def _store(store: Any) -> Any:
     return store
 
 
-def _oracle(opened: OpenedWorld) -> Callable[[int], Any]:
+def _oracle(opened: OpenedWorld) -> Callable[[int, PerceivedObject], FailureType | None]:
     """The evaluator's own label of a motion: only for the configuration that is told why it failed (ledger G41)."""
-    return lambda motion: opened.observer.judge(motion, None).failure
+
+    def failure(motion: int, target: PerceivedObject) -> FailureType | None:
+        meant = opened.observer.meant(target.category, target.position, motion)
+        return opened.observer.judge(motion, meant).failure
+
+    return failure
 
 
 def brain_named(name: str, base_url: str | None = None) -> Brain:

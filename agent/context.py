@@ -12,6 +12,7 @@ from agent.brain import Brain
 from agent.draws import draws
 from agent.events import BaseStep
 from agent.world_handle import WatchedRobot, WorldHandle
+from kb.percept import PerceivedObject
 from kb.switches import Switches
 from kb.vocabulary import FailureType
 from memory import EpisodicMemory
@@ -37,7 +38,7 @@ class AgentContext:
     emit: Callable[[BaseStep], None] = field(default=lambda _step: None)
     """Told every step as it happens."""
     clock: Callable[[], float] = time.perf_counter
-    oracle_failure: Callable[[int], FailureType | None] | None = None
+    oracle_failure: Callable[[int, PerceivedObject], FailureType | None] | None = None
     """Only for the configuration `oracle_phi`: the evaluator's own label of a motion."""
 
     @property

@@ -117,7 +117,7 @@ def observe(state: State, runtime: Run) -> Update:
         diagnosis = classify_failure(args, context.tools)
     if not diagnosis.claimed and context.oracle_failure is not None:
         diagnosis = diagnosis.model_copy(
-            update={"failure": context.oracle_failure(attempt.motion) or diagnosis.failure}
+            update={"failure": context.oracle_failure(attempt.motion, attempt.target) or diagnosis.failure}
         )
     judged = attempt.model_copy(
         update={
