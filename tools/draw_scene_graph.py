@@ -19,6 +19,8 @@ from kb.vocabulary import INVERSE, Relation
 if TYPE_CHECKING:
     from PIL.ImageDraw import ImageDraw
 
+Box = tuple[float, float, float, float]
+"""Left, top, right, bottom [px]."""
 PALETTE: tuple[tuple[int, int, int], ...] = (
     (31, 119, 180),
     (214, 39, 40),
@@ -79,11 +81,10 @@ def draw_scene_graph(
             ends = [(float(corners[a, 0]), float(corners[a, 1])), (float(corners[b, 0]), float(corners[b, 1]))]
             draw.line(ends, fill=(*colour, 220), width=4 if thing.id == target else 2)
     shown = distinct_edges(graph) if graph is not None else ()
-    for edge in shown:
-        if edge.relation in ARROWS and edge.source in centres and edge.target in centres:
-            gap = "" if edge.gap is None else f" {edge.gap * 1000:.0f} mm"
-            words = edge.relation.lower().replace("_", " ") + gap
-            _arrow(draw, centres[edge.source], centres[edge.target], words)
+    taken: list[Box] = []
+    for (source, other), words in _arrow_labels(shown).items():
+        if source in centres and other in centres:
+            _arrow(draw, centres[source], centres[other], words, taken)
     for number, thing in enumerate(percept.objects):
         if thing.id in centres:
             _mark(draw, centres[thing.id], thing.id.rsplit("_", 1)[-1], PALETTE[number % len(PALETTE)])
@@ -122,8 +123,21 @@ def distinct_edges(graph: SceneGraph) -> tuple[SceneEdge, ...]:
     return tuple(kept)
 
 
-def _arrow(draw: ImageDraw, start: tuple[float, float], end: tuple[float, float], label: str) -> None:
-    """An arrow between two marks with its label in the middle."""
+def _arrow_labels(edges: tuple[SceneEdge, ...]) -> dict[tuple[str, str], str]:
+    """What to write on the arrow of each pair that has one: all its relations, and the gap once."""
+    words: dict[tuple[str, str], list[str]] = {}
+    gaps: dict[tuple[str, str], str] = {}
+    for edge in edges:
+        if edge.relation in ARROWS:
+            pair = (edge.source, edge.target)
+            words.setdefault(pair, []).append(edge.relation.lower().replace("_", " "))
+            if edge.gap is not None:
+                gaps[pair] = f" {edge.gap * 1000:.0f} mm"
+    return {pair: ", ".join(said) + gaps.get(pair, "") for pair, said in words.items()}
+
+
+def _arrow(draw: ImageDraw, start: tuple[float, float], end: tuple[float, float], label: str, taken: list[Box]) -> None:
+    """An arrow between two marks with its label on it, where no earlier label (`taken`) stands."""
     from PIL import ImageFont
 
     a, b = np.asarray(start), np.asarray(end)
@@ -138,10 +152,18 @@ def _arrow(draw: ImageDraw, start: tuple[float, float], end: tuple[float, float]
     wings = [head, head - along * 13 + across * 6, head - along * 13 - across * 6]
     draw.polygon([(float(p[0]), float(p[1])) for p in wings], fill=(30, 30, 30, 255))
     font = ImageFont.load_default(size=15)
-    middle = (tail + head) / 2
-    box = draw.textbbox((float(middle[0]), float(middle[1])), label, font=font, anchor="mm")
+    places = [tail + (head - tail) * share for share in (0.5, 0.35, 0.65, 0.2, 0.8)]
+    boxes = [draw.textbbox((float(p[0]), float(p[1])), label, font=font, anchor="mm") for p in places]
+    free = next((i for i, box in enumerate(boxes) if not any(_overlap(box, other) for other in taken)), 0)
+    box, place = boxes[free], places[free]
+    taken.append(box)
     draw.rounded_rectangle((box[0] - 5, box[1] - 3, box[2] + 5, box[3] + 3), 4, fill=(255, 255, 255, 225))
-    draw.text((float(middle[0]), float(middle[1])), label, font=font, anchor="mm", fill=(20, 20, 20, 255))
+    draw.text((float(place[0]), float(place[1])), label, font=font, anchor="mm", fill=(20, 20, 20, 255))
+
+
+def _overlap(a: Box, b: Box) -> bool:
+    """Whether two boxes (left, top, right, bottom) come within a label's padding of each other."""
+    return a[0] - 10 < b[2] and b[0] - 10 < a[2] and a[1] - 6 < b[3] and b[1] - 6 < a[3]
 
 
 def _mark(draw: ImageDraw, centre: tuple[float, float], text: str, colour: tuple[int, int, int]) -> None:
