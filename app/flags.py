@@ -7,6 +7,8 @@ from typing import Annotated, Optional
 
 import typer
 
+from app import completion
+
 WORLD = "What happens"
 OUTPUT = "Output"
 
@@ -15,6 +17,7 @@ Scene = Annotated[
     Optional[str],  # noqa: UP045
     typer.Option(
         "--scene",
+        autocompletion=completion.scenes,
         metavar="NAME|FILE",
         help="Built-in scene or YAML file (default: single_cup).",
         rich_help_panel=WORLD,
@@ -41,6 +44,7 @@ Perception = Annotated[
     Optional[str],  # noqa: UP045
     typer.Option(
         "--perception",
+        autocompletion=completion.perceptions,
         metavar="KIND",
         help="rgbd (from pixels), vlm, or oracle (the truth) (default: rgbd).",
         rich_help_panel=WORLD,
@@ -49,13 +53,21 @@ Perception = Annotated[
 Evaluator = Annotated[
     Optional[str],  # noqa: UP045
     typer.Option(
-        "--evaluator", metavar="KIND", help="mujoco (physics) or analytic (default: mujoco).", rich_help_panel=WORLD
+        "--evaluator",
+        autocompletion=completion.evaluators,
+        metavar="KIND",
+        help="mujoco (physics) or analytic (default: mujoco).",
+        rich_help_panel=WORLD,
     ),
 ]
 Configuration = Annotated[
     Optional[str],  # noqa: UP045
     typer.Option(
-        "--configuration", metavar="NAME", help="full, or an ablation by name (default: full).", rich_help_panel=WORLD
+        "--configuration",
+        autocompletion=completion.configurations,
+        metavar="NAME",
+        help="full, or an ablation by name (default: full).",
+        rich_help_panel=WORLD,
     ),
 ]
 Approve = Annotated[

@@ -103,3 +103,25 @@ def test_the_schema_of_the_result_accepts_results(capsys: pytest.CaptureFixture[
 def test_tools_says_what_each_tool_is_for(capsys: pytest.CaptureFixture[str]) -> None:
     """`--names` is a short list."""
     assert len(output(capsys, "tools", "--names").splitlines()) == len(TOOL_NAMES) + 1
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        ("ragvlm run x --scene single_c", {"single_cup", "single_cube"}),
+        ("ragvlm run x --perception o", {"oracle"}),
+        ("ragvlm run x --evaluator a", {"analytic"}),
+        ("ragvlm kb q", {"query"}),
+    ],
+)
+def test_the_shell_completes_values(
+    words: str, offered: set[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Pressing Tab after these words offers exactly what fits."""
+    monkeypatch.setenv("_RAGVLM_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", words)
+    monkeypatch.setenv("COMP_CWORD", str(len(words.split()) - 1))
+    with pytest.raises(SystemExit) as caught:
+        run_command_line([])
+    assert caught.value.code == 0
+    assert set(capsys.readouterr().out.split()) == offered
