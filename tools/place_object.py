@@ -25,6 +25,7 @@ from tools.planning.set_down import (
     GAP,
     SetDown,
     feasible,
+    fits_bin,
     footprint_radius,
     is_free,
     points_of,
@@ -43,9 +44,11 @@ SIDES: dict[Side, Vec2] = {
     "back": (0.66, 0.0),
     "middle": (0.50, 0.0),
 }
-"""Middles of the table's regions as seen from the robot [m]; y points left."""
+"""Middles of the table's regions as seen from the robot [m]: y points to its left, x away from it."""
 BESIDE_GAP = 0.05
 """Surface gap wanted when something is put next to something [m]."""
+DROP_FRAGILITY, GENTLE_DROP = 0.3, 0.03
+"""Things at least this fragile must not fall farther than this [m] (benchmark.md section 1: 5 cm damage them)."""
 TRIES = 60
 """Poses whose reach is checked before giving up."""
 
@@ -105,7 +108,7 @@ def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
     for tried, option in enumerate(_options(args)):
         if tried >= TRIES * 12:
             return None
-        if feasible(option, args.held.grasp, joints, points_w):
+        if feasible(option, args.held, joints, points_w):
             return option
     return None
 
@@ -120,14 +123,14 @@ def _options(args: PlaceArgs) -> Iterator[SetDown]:
     if args.kind == "on":
         below = _reference(args)
         support, centres = below.top_z, iter([(below.position[0], below.position[1])])
-        yield from set_downs(args.object, args.held.grasp, next(centres), support)
+        yield from set_downs(args.object, args.held, next(centres), support)
         return
     radius = footprint_radius(args.object)
     places = 0
     for gap in (GAP, 0.012):
         for centre in _wanted(args):
             if _inside(centre, args) and is_free(centre, radius, args.percept, ignore, gap):
-                yield from set_downs(args.object, args.held.grasp, centre, support)
+                yield from set_downs(args.object, args.held, centre, support)
                 places += 1
                 if places >= TRIES:
                     return
@@ -173,14 +176,21 @@ def _around(args: PlaceArgs) -> Iterator[Vec2]:
 
 
 def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
+    """Free places in the bin first, as deep as the walls let the hand go; fragile things are not dropped."""
     if args.percept.bin is None:
         raise BadInputError("there is no bin in this scene", where="bin")
     low, high = args.percept.bin
     middle = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
     first = args.slot % len(BIN_SLOTS)
-    for raised in BIN_RAISES:
+    gentle = args.object.affordance.fragility >= DROP_FRAGILITY
+    raises = [raised for raised in BIN_RAISES if not gentle or raised <= GENTLE_DROP] or [0.0]
+    for careful in (True, False):
         for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first]):
-            yield from set_downs(args.object, args.held.grasp, (middle[0] + dx, middle[1] + dy), low[2] + raised)
+            for raised in raises:
+                centre = (middle[0] + dx, middle[1] + dy)
+                for option in set_downs(args.object, args.held, centre, low[2] + raised):
+                    if not careful or fits_bin(option, args.object, args.percept.bin):
+                        yield option
 
 
 def _inside(centre: Vec2, args: PlaceArgs) -> bool:

@@ -51,9 +51,9 @@ class Search:
     way: ArmWay
     calm: bool = True
     """Refuse arm postures that are near a singularity."""
-    rejected: dict[str, int] = field(default_factory=dict)
-    alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list)
-    unreachable: set[str] = field(default_factory=set)
+    rejected: dict[str, int] = field(default_factory=dict[str, int])
+    alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list[tuple[Ranked, Posture]])
+    unreachable: set[str] = field(default_factory=set[str])
 
     def best(
         self, pool: list[Constrained], prior: GraspPrior, force: ForceTerms, required: float

@@ -11,8 +11,10 @@ import numpy as np
 from kb.base import Vec2, Vec3
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject, Percept
+from kb.sensing import Plan
 from sim.hand import swept_clearance
-from sim.reach import Reach, solve_reach
+from sim.kinematics import forward
+from sim.reach import descents
 from tools.planning.candidate import Array, vec3
 from tools.planning.surroundings import completed
 
@@ -26,10 +28,14 @@ TURNS = tuple(math.radians(a) for a in (0, 20, -20, 45, -45, 70, -70, 95, -95, 1
 """Turns of the held object about the vertical that are tried [rad]."""
 DROP = 0.004
 """Height above the support at which the set-down aims [m]; contact is felt for from there."""
-BIN_SLOTS: tuple[Vec2, ...] = ((0.0, 0.0), (0.075, 0.055), (-0.075, -0.055), (0.075, -0.055), (-0.075, 0.055))
+BIN_SLOTS: tuple[Vec2, ...] = ((-0.075, -0.050), (0.075, 0.050), (0.075, -0.050), (-0.075, 0.050), (0.0, 0.0))
 """Places inside the bin, from its middle [m]; which comes first depends on how much is in already."""
-BIN_RAISES = (0.0, 0.02, 0.04, 0.07, 0.11)
+BIN_RAISES = (0.0, 0.015, 0.03, 0.045, 0.07, 0.11)
 """How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
+WALL_ROOM = 0.006
+"""Distance that what is put into the bin keeps from its walls [m]."""
+CARRY_HEIGHT, OVERSHOOT = 0.06, 0.012
+"""A set-down is straight from at least this height above, and feels for the ground this far below [m]."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,8 @@ class SetDown:
     yaw: float
     centre: Vec2
     """Where the footprint's centre will be [m]."""
+    turn: float = 0.0
+    """How far the object is turned about the vertical against how it stood [rad]."""
 
 
 def footprint_radius(held: PerceivedObject) -> float:
@@ -76,43 +84,75 @@ def spiral(centre: Vec2, step: float = 0.02, rings: int = 9) -> Iterator[Vec2]:
             yield centre[0] + ring * step * math.cos(angle), centre[1] + ring * step * math.sin(angle)
 
 
-def set_downs(held: PerceivedObject, grasp: Grasp, centre: Vec2, support_z: float) -> Iterator[SetDown]:
+def hand_at_grasp(held: Plan) -> Array:
+    """Rotation of the hand when it closed (3, 3); the stored posture tells which way round it was."""
+    rotation = held.grasp.rotation()
+    if len(held.joints) == 7:
+        actual = forward(np.asarray(held.joints))[:3, :3]
+        if float(actual[:, 1] @ rotation[:, 1]) < 0.0:
+            rotation = rotation @ np.diag([-1.0, -1.0, 1.0])
+    return rotation
+
+
+def set_downs(held: PerceivedObject, plan: Plan, centre: Vec2, support_z: float) -> Iterator[SetDown]:
     """Hand poses that put the object's footprint at `centre`, upright, turned by each of `TURNS`.
 
     Args:
         held: The object as it stood when it was gripped.
-        grasp: The grasp that holds it.
+        plan: The plan that holds it.
         centre: Wanted centre of the footprint [m].
         support_z: Height of what it is to stand on [m].
     """
-    offset = np.asarray(grasp.position) - np.array([held.position[0], held.position[1], held.base_z])
+    offset = np.asarray(plan.grasp.position) - np.array([held.position[0], held.position[1], held.base_z])
+    rotation = hand_at_grasp(plan)
     # A top grasp may turn freely; a side grasp turns with the bearing so that the arm stays in its plane.
     start = math.atan2(held.position[1], held.position[0])
-    natural = math.atan2(centre[1], centre[0]) - start if abs(grasp.approach[2]) < 0.8 else 0.0
+    natural = math.atan2(centre[1], centre[0]) - start if abs(plan.grasp.approach[2]) < 0.8 else 0.0
     for turn in TURNS:
         angle = natural + turn
+        closing = _turned(rotation[:, 1], angle)
         yield SetDown(
             position=vec3(np.array([centre[0], centre[1], support_z + DROP]) + _turned(offset, angle)),
-            approach=vec3(_turned(np.asarray(grasp.approach), angle)),
-            yaw=math.remainder(grasp.yaw + angle, 2 * math.pi),
+            approach=vec3(_turned(rotation[:, 2], angle)),
+            yaw=math.atan2(closing[1], closing[0]),
             centre=centre,
+            turn=angle,
         )
 
 
-def feasible(option: SetDown, grasp: Grasp, joints: Array, obstacles_w: Array) -> bool:
-    """Whether the arm reaches the pose from straight above and the hand stays clear of everything there."""
+def feasible(option: SetDown, plan: Plan, joints: Array, obstacles_w: Array) -> bool:
+    """Whether the arm lowers the hand there straight from above, and the hand stays clear of everything."""
     pose = Grasp(
         position=option.position,
         approach=option.approach,
         yaw=option.yaw,
-        aperture=grasp.aperture,
-        force=grasp.force,
-        type=grasp.type,
-        standoff=0.10,
+        aperture=plan.grasp.aperture,
+        force=plan.grasp.force,
+        type=plan.grasp.type,
+        standoff=0.02,
     )
-    if len(obstacles_w) and swept_clearance(pose, obstacles_w, lift=0.10) < HAND_GAP:
+    if len(obstacles_w) and swept_clearance(pose, obstacles_w, lift=0.12) < HAND_GAP:
         return False
-    return isinstance(solve_reach(pose, joints, lift=0.08), Reach)
+    target = np.eye(4)
+    target[:3, :3], target[:3, 3] = pose.rotation(), option.position
+    return next(descents(target, joints, CARRY_HEIGHT, OVERSHOOT), None) is not None
+
+
+def fits_bin(option: SetDown, held: PerceivedObject, corners: tuple[Vec3, Vec3]) -> bool:
+    """Whether the object, turned as it will be, keeps off the walls of the bin."""
+    low, high = corners
+    yaw = held.yaw + option.turn
+    long, short = held.size[0] / 2, held.size[1] / 2
+    half = (
+        abs(math.cos(yaw)) * long + abs(math.sin(yaw)) * short,
+        abs(math.sin(yaw)) * long + abs(math.cos(yaw)) * short,
+    )
+    if held.shape in ("sphere", "bowl"):
+        half = (long, long)
+    return all(
+        low[k] + WALL_ROOM <= option.centre[k] - half[k] and option.centre[k] + half[k] <= high[k] - WALL_ROOM
+        for k in (0, 1)
+    )
 
 
 def points_of(percept: Percept, without: tuple[str, ...] = ()) -> Array:
