@@ -113,12 +113,13 @@ class OraclePerceiver:
         )
 
     def _state(self, obj: PlacedObject, box: UprightBox, boxes: dict[str, UprightBox]) -> ObjectState:
-        """Stacked if it rests on another object now; filled if it was filled and still stands."""
+        """Stacked if it rests on or in another object now; filled if it was filled and still stands."""
         base = box.centre[2] - box.size[2] / 2
         for other_id, other in boxes.items():
             top = other.centre[2] + other.size[2] / 2
             above = np.all(np.abs(other.local(box.centre[None])[0, :2]) <= other.size[:2] / 2 + 0.005)
-            if other_id != obj.id and above and base > 0.01 and abs(base - top) < 0.01:
+            higher = box.centre[2] > other.centre[2] and base > other.centre[2] - other.size[2] / 2 + 0.002
+            if other_id != obj.id and above and higher and 0.005 < base < top + 0.01:
                 return "stacked"
         upright = self._pose(obj.id)[1][2, 2] > 0.7
         return "filled" if obj.state == "filled" and upright else "empty"

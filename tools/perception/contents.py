@@ -13,10 +13,10 @@ def is_inside(blob: Blob, holder: Measured) -> bool:
         return False
     reach = np.hypot(*(blob.xyz[:, :2] - holder.centre).T)
     within = np.quantile(reach, 0.95) < 0.96 * holder.radius and blob.from_top.mean() > 0.3
-    return bool(within and np.quantile(blob.xyz[:, 2], 0.95) < holder.top + 0.004 and _has_rim(holder))
+    return bool(within and np.quantile(blob.xyz[:, 2], 0.95) < holder.top + 0.004 and has_rim(holder))
 
 
-def _has_rim(holder: Measured) -> bool:
+def has_rim(holder: Measured) -> bool:
     """The holder's highest points form a ring: it has a rim and not a lid."""
     xyz = holder.blob.xyz
     high = xyz[(xyz[:, 2] > holder.top - 0.006) & holder.blob.from_top]

@@ -16,7 +16,7 @@ from kb.references import References
 from kb.vocabulary import UNKNOWN_CATEGORY
 from tools.perception.blobs import BlobMaker
 from tools.perception.classify import Judgement, classify
-from tools.perception.contents import is_inside
+from tools.perception.contents import has_rim, is_inside
 from tools.perception.features import colour_features, features
 from tools.perception.look import Look
 from tools.perception.measure import CLEAR_LOSS, HIDDEN, Blob, Measured, covered_top, measure
@@ -57,6 +57,9 @@ STANDING = 0.014
 HIDDEN_TOP = 0.030
 """How far the top of a base that is hidden from above may be above what is seen of it [m]."""
 
+LOOKS_OUT, NESTED_BASE = 0.008, 0.002
+"""What stands in a bowl reaches this far above its rim and below it [m], and this far below its lowest seen points."""
+
 SPLINTER = 0.06
 """Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
 
@@ -75,6 +78,8 @@ class Candidate:
     """Pieces seen inside its rim."""
     under: int | None = None
     """A piece that it stands on."""
+    holds: bool = False
+    """Something stands on it or in it."""
     hangs: bool = False
     """It would hang in the air if it were an object by itself."""
 
@@ -112,6 +117,7 @@ class Merger:
         """Pairs of pieces of one colour that something covers between."""
         self._cache: dict[tuple[int, ...], Candidate] = {}
         self._spans: dict[tuple[int, ...], Span] = {}
+        self._nests: dict[tuple[tuple[int, ...], tuple[int, ...]], bool] = {}
         self._hues: dict[int, Array] = {}
         self._blobs: dict[tuple[int, ...], Blob] = {}
 
@@ -285,7 +291,8 @@ class Merger:
             if contents:
                 inner = self._blob(contents)
                 blob = replace(blob, low=np.concatenate([blob.low, inner.xyz[inner.from_top]]))
-            load = None if carried is None else self._candidate(carried, [group]).measured
+            nested = carried is not None and self._nested(carried, group)
+            load = None if carried is None or nested else self._candidate(carried, [group]).measured
             measured = measure(blob, support, load)
             judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
@@ -293,7 +300,7 @@ class Merger:
             hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
             strange = UNKNOWN_COST * unknown * (1.0 if carried is None else COVERED_COST)
             cost = OBJECT_COST + strange + HANGING_COST * hangs
-            self._cache[key] = Candidate(measured, judgement, cost, contents, under, hangs)
+            self._cache[key] = Candidate(measured, judgement, cost, contents, under, carried is not None, hangs)
         return self._cache[key]
 
     def _carried(self, group: tuple[int, ...], others: list[tuple[int, ...]]) -> tuple[int, ...] | None:
@@ -313,6 +320,9 @@ class Merger:
         for other in others:
             if other == group or set(other) & set(group):
                 continue
+            if self._nested(group, other):
+                z = self._blob(group).xyz[:, 2]
+                return other[0], float(np.partition(z, min(5, len(z) - 1))[min(5, len(z) - 1)]) - NESTED_BASE
             below = self._span(other)
             top = below.top
             if below.from_top < HIDDEN and top < lowest < top + HIDDEN_TOP:
@@ -320,6 +330,19 @@ class Merger:
             if _gap(mine, below) < -0.006 and top < lowest + 0.010 and top > best[1]:
                 best = (other[0], top)
         return best
+
+    def _nested(self, group: tuple[int, ...], other: tuple[int, ...]) -> bool:
+        """The group stands in the hollow of the other one and looks out of it."""
+        mine, around = self._span(group), self._span(other)
+        within = np.all(mine.low > around.low + 0.004) and np.all(mine.high[:2] < around.high[:2] - 0.004)
+        if not within or mine.high[2] < around.high[2] + LOOKS_OUT or mine.low[2] > around.high[2] - LOOKS_OUT:
+            return False
+        if (group, other) not in self._nests:
+            holder = measure(self._blob(other))
+            reach = np.hypot(*(self._blob(group).xyz[:, :2] - holder.centre).T)
+            inside = holder.is_round and np.quantile(reach, 0.9) < 0.96 * holder.radius
+            self._nests[group, other] = bool(inside and has_rim(holder))
+        return self._nests[group, other]
 
     def _contents(self, groups: list[tuple[int, ...]]) -> dict[int, int]:
         """Pieces inside another piece's rim -> that piece."""

@@ -89,7 +89,13 @@ class RgbdPerceiver:
             affordance=affordance_of_unknown(measured, parts, transparent=transparent)
             if unknown
             else expected.affordance,
-            state=state_of(measured, parts, stands_on_object=item.under is not None, contents_seen=bool(item.contents)),
+            state=state_of(
+                measured,
+                parts,
+                stands_on_object=item.under is not None,
+                holds_object=item.holds,
+                contents_seen=bool(item.contents),
+            ),
             transparent=transparent,
             colour=colour,
             colour_name=colour_name(colour),

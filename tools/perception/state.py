@@ -15,7 +15,7 @@ BUMPY = 0.006
 
 
 def state_of(
-    measured: Measured, parts: tuple[Part, ...], *, stands_on_object: bool, contents_seen: bool
+    measured: Measured, parts: tuple[Part, ...], *, stands_on_object: bool, holds_object: bool, contents_seen: bool
 ) -> ObjectState:
     """The physical state of an object.
 
@@ -23,11 +23,12 @@ def state_of(
         measured: Its measurements.
         parts: Its parts; a stem takes its length off the room that could be filled.
         stands_on_object: Something other than the table is under it.
+        holds_object: Something stands on it or in it, so that its floor is not seen.
         contents_seen: Pieces of another colour lie inside its rim.
     """
     if stands_on_object:
         return "stacked"
-    if measured.hollow <= 0:
+    if measured.hollow <= 0 or (holds_object and not contents_seen):
         return "empty"
     height = measured.top - measured.base
     stem = next((part for part in parts if part.region == "stem"), None)
