@@ -86,7 +86,7 @@ def gather(seeds: int, first_seed: int, perception: PerceptionName, workers: int
         for k in range(seeds):
             jobs.append((number, provocation.scenes[k % len(provocation.scenes)], first_seed + k, perception))
     scenes = sorted({scene for provocation in PROVOCATIONS for scene in provocation.scenes})
-    jobs += [(None, scene, first_seed + k, perception) for scene in scenes for k in range(seeds)]
+    jobs.extend((None, scene, first_seed + k, perception) for scene in scenes for k in range(seeds))
     if workers <= 1:
         found = [_case(job) for job in jobs]
     else:

@@ -127,7 +127,8 @@ def hold_drift(scene: str, seed: int, seconds: float = HOLD_S) -> float:
         return math.inf
     opened = open_world(scene, seed)
     opened.robot.grasp(held["plan"].grasp, joints=held["plan"].joints, shake=False)
-    world, name = opened.world, opened.placed.task.target if opened.placed.task else opened.placed.objects[0].id
+    world, task = opened.world, opened.placed.task
+    name = task.target if task is not None and task.target is not None else opened.placed.objects[0].id
     joints, grip = world.data.ctrl[0:21:3].copy(), float(world.data.ctrl[21])
     before = _in_hand(world, name)
     world.run(hold(joints, grip, seconds), "hold", None)
