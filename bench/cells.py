@@ -66,7 +66,9 @@ def cell(trials: Iterable[Trial]) -> Cell:
     if len(names) != 1:
         raise ValueError(f"one cell expected, not {sorted(names)}")
     configuration, task, suite, noise = names.pop()
-    required = [item for t in own for item in t.constraints if item.required]
+    required = [sum(item.required for item in t.constraints) for t in own]
+    # A trial that a harness error cut short reports no constraints; the task required them all the same.
+    unreported = sum(t.harness_error is not None and not t.constraints for t in own)
     goals = [goal for t in own for goal in t.subgoals]
     return Cell(
         configuration=configuration,
@@ -76,8 +78,8 @@ def cell(trials: Iterable[Trial]) -> Cell:
         harness_errors=sum(t.harness_error is not None for t in own),
         damage_events=sum(t.damage_events for t in own),
         attempts=sum(t.attempts for t in own),
-        constraints_required=len(required),
-        constraints_satisfied=sum(item.satisfied for item in required),
+        constraints_required=sum(required) + unreported * max(required),
+        constraints_satisfied=sum(item.required and item.satisfied for t in own for item in t.constraints),
         suite=suite,
         noise=noise,
         claimed=sum(t.claimed for t in own),

@@ -17,7 +17,7 @@ from kb.errors import BadInputError
 
 log = logging.getLogger(__name__)
 
-CORE_SUITE = "core"
+CORE_SUITE = "tasks"
 """Suite of the twelve tasks, assumed where a line names none."""
 
 Key = tuple[str, str, int, int, float]

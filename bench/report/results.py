@@ -1,0 +1,79 @@
+"""The trials of a run, sorted into what the report's sections ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from bench.suite import GROUPS, TWELVE
+from bench.trial import CORE_SUITE, Trial, in_order
+
+CATEGORIES: dict[str, tuple[str, ...]] = {
+    "SG": GROUPS["single"],
+    "IT": GROUPS["interaction"],
+    "LH": GROUPS["long_horizon"],
+}
+"""The twelve tasks in the paper's three categories: single grasp, interactive, long horizon."""
+CATEGORY_WORDS = {"SG": "Single grasp", "IT": "Interactive", "LH": "Long horizon"}
+
+ORDER = (
+    "full", "no_recovery", "no_memory", "no_scene_graph", "heuristic", "no_haarag", "vlm_only",
+    "heuristic_scene_graph", "heuristic_scene_graph_memory", "blind_retry", "no_constraints", "paper_literal",
+    "levels_as_written", "random_in_category", "geometry_only", "oracle_perception", "oracle_phi",
+)  # fmt: skip
+"""The paper's seven first, in its order, then the rivals and variants."""
+
+
+class Results:
+    """Trials of a run; the tables are made at one noise level, the curve over all."""
+
+    def __init__(self, trials: Iterable[Trial]) -> None:
+        self.all = in_order(trials)
+        self.noises = tuple(sorted({t.noise for t in self.all}))
+        self.noise = 1.0 if 1.0 in self.noises else self.noises[0]
+        self.at_noise = [t for t in self.all if t.noise == self.noise]
+        present = {t.configuration for t in self.all}
+        self.configurations = (*(c for c in ORDER if c in present), *sorted(present.difference(ORDER)))
+        tasks = {t.task for t in self.at_noise}
+        self.twelve = tuple(task for task in TWELVE if any(t.task == task and is_core(t) for t in self.at_noise))
+        self.others = tuple(sorted({(t.suite, t.task) for t in self.at_noise if not is_core(t)}))
+        self.tasks = tuple(sorted(tasks))
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Categories with at least one trial."""
+        return tuple(name for name, tasks in CATEGORIES.items() if any(task in self.twelve for task in tasks))
+
+    def of(self, configuration: str, tasks: Sequence[str] | None = None, noise: float | None = None) -> list[Trial]:
+        """Trials of a configuration on the twelve tasks (or those named), at the tables' noise level (or the given)."""
+        wanted = self.twelve if tasks is None else tasks
+        level = self.noise if noise is None else noise
+        own = [t for t in self.all if t.configuration == configuration and t.noise == level]
+        if not self.twelve and tasks is None:
+            return own
+        return [t for t in own if is_core(t) and t.task in wanted]
+
+    def of_suite(self, configuration: str, suite: str, task: str | None = None) -> list[Trial]:
+        """Trials of a configuration outside the twelve tasks."""
+        return [
+            t
+            for t in self.at_noise
+            if t.configuration == configuration
+            and t.suite == suite
+            and not is_core(t)
+            and (task is None or t.task == task)
+        ]
+
+
+def is_core(trial: Trial) -> bool:
+    """The trial belongs to the twelve tasks: those of other suites never enter their mean."""
+    return trial.task in TWELVE and trial.suite == CORE_SUITE
+
+
+def category_of(task: str) -> str | None:
+    """The category of one of the twelve tasks."""
+    return next((name for name, tasks in CATEGORIES.items() if task in tasks), None)
+
+
+def solved(trials: Sequence[Trial]) -> tuple[int, int]:
+    """Successes and trials."""
+    return sum(t.success for t in trials), len(trials)
