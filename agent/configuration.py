@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from kb.base import Noun
 from kb.errors import BadInputError
 from kb.switches import Switches
@@ -112,6 +114,20 @@ CONFIGURATIONS: dict[str, Configuration] = {
     )
 }
 """Name -> configuration."""
+
+
+PAPER = ("full", "no_recovery", "no_memory", "no_scene_graph", "heuristic", "no_haarag", "vlm_only")
+"""The seven rows of the paper's Table II."""
+
+
+def names_of(words: Iterable[str]) -> tuple[str, ...]:
+    """Names of configurations from names and the words "paper" and "all", each once, in order.
+
+    Raises:
+        BadInputError: unknown name; the message lists the known ones.
+    """
+    groups = {"paper": PAPER, "all": tuple(CONFIGURATIONS)}
+    return tuple(dict.fromkeys(name for word in words for name in (groups.get(word) or (configuration(word).name,))))
 
 
 def configuration(name: str) -> Configuration:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import product
+from typing import Annotated
 
 from pydantic import Field
 
@@ -12,6 +14,12 @@ from kb.vocabulary import EvaluatorName, PerceptionName
 
 RowKey = tuple[str, str, int, int, float]
 """Configuration, task, repetition, trial, noise: what makes a row unique."""
+
+
+MAX_NOISE = 3.0
+"""Largest scale of the uncertainties."""
+MAX_TRIALS = 1000
+"""Most trials of a repetition: more would meet the seeds of the next one."""
 
 
 class Settings(Noun):
@@ -30,17 +38,18 @@ class BenchPlan(Noun):
     settings: Settings = Field(default_factory=Settings)
     tasks: tuple[BenchTask, ...]
     configurations: tuple[str, ...]
-    trials: int = Field(default=30, ge=1, le=1000)
-    """Trials per repetition; more than 1000 would meet the seeds of the next repetition."""
+    trials: int = Field(default=30, ge=1, le=MAX_TRIALS)
+    """Trials per repetition."""
     repetitions: int = Field(default=1, ge=1)
-    noise: Finite = Field(default=1.0, ge=0.0, le=3.0)
+    noises: tuple[Annotated[Finite, Field(ge=0.0, le=MAX_NOISE)], ...] = (1.0,)
+    """Scales of the uncertainties; one world and one row for each."""
     measure_all: bool = False
     """Measure the bare-step ratio in every trial, not only in the first of each task."""
 
     @property
     def rows(self) -> int:
         """Number of rows that the finished benchmark has."""
-        return len(self.tasks) * len(self.configurations) * self.trials * self.repetitions
+        return len(self.tasks) * len(self.configurations) * self.trials * self.repetitions * len(self.noises)
 
 
 class Job(Noun):
@@ -67,20 +76,18 @@ def jobs(plan: BenchPlan, done: Collection[RowKey] = ()) -> list[Job]:
     Tasks alternate fastest, so that a run that is stopped early has something of every task.
     """
     found: list[Job] = []
-    for repetition in range(plan.repetitions):
-        for trial in range(plan.trials):
-            for task in plan.tasks:
-                job = Job(
-                    settings=plan.settings,
-                    task=task,
-                    configurations=plan.configurations,
-                    repetition=repetition,
-                    trial=trial,
-                    seed=seed_of(plan.settings.seed, repetition, trial),
-                    noise=plan.noise,
-                    measure=plan.measure_all or (repetition == 0 and trial == 0),
-                )
-                missing = tuple(name for name in plan.configurations if job.key(name) not in done)
-                if missing:
-                    found.append(job.model_copy(update={"configurations": missing}))
+    for repetition, trial, task, noise in product(range(plan.repetitions), range(plan.trials), plan.tasks, plan.noises):
+        job = Job(
+            settings=plan.settings,
+            task=task,
+            configurations=plan.configurations,
+            repetition=repetition,
+            trial=trial,
+            seed=seed_of(plan.settings.seed, repetition, trial),
+            noise=noise,
+            measure=plan.measure_all or (repetition == 0 and trial == 0),
+        )
+        missing = tuple(name for name in plan.configurations if job.key(name) not in done)
+        if missing:
+            found.append(job.model_copy(update={"configurations": missing}))
     return found

@@ -23,7 +23,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
 """Tasks of the suite `tasks` by kind (benchmark section 3): SG, IT, LH, and S1 to S4 that never enter the mean."""
 TWELVE = (*GROUPS["single"], *GROUPS["interaction"], *GROUPS["long_horizon"])
 """The tasks of the headline number."""
-CLUTTER_PREFIX = "clutter_"
+CLUTTER_SCENES = 10
+"""Scenes of the clutter suite; each of its objects is the target once in each."""
 
 
 class BenchTask(Noun):
@@ -65,10 +66,9 @@ def tasks_of(suite: str, names: Iterable[str] | None = None) -> tuple[BenchTask,
 def _known(suite: str) -> dict[str, BenchTask]:
     """All tasks of a suite by name."""
     if suite == "clutter":
-        from sim.tasks.clutter import TARGETS
+        from sim.tasks.clutter import clutter_scenes
 
-        names = tuple(f"{CLUTTER_PREFIX}{target}" for target in TARGETS)
-        return {name: BenchTask(name=name, suite="clutter") for name in names}
+        return {name: BenchTask(name=name, suite="clutter") for name in clutter_scenes()}
     return {
         name: BenchTask(name=name, suite="supplementary" if group == "supplementary" else "tasks")
         for group, names in GROUPS.items()

@@ -13,6 +13,7 @@ from kb.errors import BadInputError
 from sim.catalogue import MODELS, model
 from sim.own_object import check_files
 from sim.scene_spec import ObjectSpec, SceneSpec, Source, TaskSpec
+from sim.tasks.clutter import PREFIX, clutter_scene, clutter_scenes
 
 MAX_BYTES = 1_000_000
 """Largest scene file [bytes]; a scene of forty objects has a few thousand."""
@@ -40,6 +41,8 @@ def load_scene(name_or_path: str) -> SceneSpec:
     if name_or_path in builtin_scenes():
         text = resources.files("sim").joinpath("scenes", f"{name_or_path}.yaml").read_text(encoding="utf-8")
         return _parse(text, name_or_path, None)
+    if name_or_path in clutter_scenes():
+        return clutter_scene(name_or_path.removeprefix(PREFIX))
     looks_like_file = name_or_path.lower().endswith(SUFFIXES) or "/" in name_or_path
     path = Path(name_or_path)
     if not looks_like_file and not path.is_file():

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.placed import PlacedScene
 from sim.scene_spec import SceneSpec
-from sim.tasks import occlusion, repeated_categories, sort_by_fragility
+from sim.tasks import clutter, occlusion, repeated_categories, sort_by_fragility
 
 
 class Vary(Protocol):
@@ -41,6 +41,7 @@ class Family:
 
 
 _FAMILIES: dict[str, Family] = {
+    clutter.NAME: Family(vary=clutter.arranged),
     "ball_behind_box": Family(accept=occlusion.mostly_hidden),
     "sort_by_fragility": Family(vary=sort_by_fragility.other_objects),
     "repeated_categories": Family(vary=repeated_categories.one_half),
