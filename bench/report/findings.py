@@ -20,6 +20,15 @@ MOST = 6
 
 
 @dataclass(frozen=True)
+class Finding:
+    """One sentence and how it is to be taken."""
+
+    mark: str
+    """shown, not shown, worse, harness."""
+    words: str
+
+
+@dataclass(frozen=True)
 class Card:
     """One figure at the top."""
 
@@ -49,7 +58,10 @@ def cards(results: Results, configuration: str = "full") -> list[Card]:
         _share("Constraints kept", satisfaction(trials), f"{100 * TABLE_V[-1].satisfied:.0f} %"),
         _share("Recovered sub-goals", recovered, theirs),
         Card(
-            "Damage per 100 trials", f"{100 * events / len(trials):.1f}", f"{events} events, {len(trials)} trials", DASH
+            "Damage per 100 trials",
+            f"{100 * events / len(trials):.1f}",
+            f"{events} events, {len(trials)} trials",
+            "not reported",
         ),
         Card("Attempts per success", f"{per_success:.2f}", f"{len(goals)} sub-goals", f"{MEAN_ATTEMPTS} per trial"),
     ]
@@ -63,32 +75,29 @@ def _share(title: str, count: Count, paper: str) -> Card:
     return Card(title, f"{100 * count.share:.1f} %", detail, paper)
 
 
-def sentences(results: Results) -> list[str]:
+def findings(results: Results) -> list[Finding]:
     """What was shown and what was not, one sentence per registered contrast, then the harness errors."""
     found = contrasts(results)
     holm_p = adjusted(found)
     words = [_contrast(item, holm_p[item.name]) for item in found if item.name in holm_p]
     errors = sum(t.harness_error is not None for t in results.all)
-    words.append(
-        f"{errors} of {len(results.all)} trials ended in a harness error; they count as failures."
-        if errors
-        else f"None of the {len(results.all)} trials ended in a harness error."
-    )
-    return words
+    said = f"{errors or 'None'} of the {len(results.all)} trials ended in a harness error"
+    return [*words, Finding("harness", f"{said}; they count as failures." if errors else f"{said}.")]
 
 
-def _contrast(item: Contrast, p: float) -> str:
+def _contrast(item: Contrast, p: float) -> Finding:
     numbers = f"{signed(item.difference.value)} pp on {item.count} paired trials, p = {PValue(p)} after Holm"
     numbers = numbers.replace("p = <", "p <")
     rival = item.rival
     where = " after a failed first attempt" + item.name.removeprefix(rival).replace(" at", " at", 1)
     place = where if item.name != rival else ""
     if p < ALPHA and item.difference.value > 0:
-        return f"full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}."
+        return Finding("shown", f"full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}.")
     if p < ALPHA:
-        return f"full is worse than {rival}{place}: {numbers}{_tasks(item, 'behind on', worse=True)}."
+        return Finding("worse", f"full is worse than {rival}{place}: {numbers}{_tasks(item, 'behind on', worse=True)}.")
     behind = _tasks(item, "behind on", worse=True)
-    return f"This run does not show that full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}{behind}."
+    words = f"This run does not show that full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}{behind}."
+    return Finding("not shown", words)
 
 
 def _tasks(item: Contrast, what: str, *, worse: bool = False) -> str:

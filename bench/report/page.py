@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from bench.report.findings import Card
+from bench.report.findings import Card, Finding
 from bench.report.table import Table
 from bench.report.value import Content, Count, Value, text
 
@@ -28,14 +28,14 @@ class Section:
 
 
 def page(
-    title: str, subtitle: str, facts: Mapping[str, str], cards: Sequence[Card], findings: Sequence[str],
+    title: str, subtitle: str, facts: Mapping[str, str], cards: Sequence[Card], findings: Sequence[Finding],
     sections: Sequence[Section],
 ) -> str:  # fmt: skip
     """The whole page."""
     shown = [section for section in sections if section.tables or any(svg for svg, _ in section.charts)]
     links = "".join(f'<a href="#{section.anchor}">{escape(section.title)}</a>' for section in shown)
     items = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in facts.items())
-    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in findings)
+    said = "".join(map(_finding, findings))
     return "".join(
         (
             '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">',
@@ -49,6 +49,13 @@ def page(
             *map(_section, shown),
             "</main></body></html>\n",
         )
+    )
+
+
+def _finding(finding: Finding) -> str:
+    kind = finding.mark.replace(" ", "-")
+    return (
+        f'<li class="{kind}"><span class="mark">{escape(finding.mark)}</span><span>{escape(finding.words)}</span></li>'
     )
 
 

@@ -18,7 +18,7 @@ from bench.cells import cells
 from bench.report import contrasts, diagnosis, noise, paper, recovery, safety, success, times
 from bench.report.chart_parts import failure_chart, flow_chart, ladder_chart, time_chart
 from bench.report.chart_success import contrast_chart, noise_chart, success_chart
-from bench.report.findings import cards, sentences
+from bench.report.findings import Finding, cards, findings
 from bench.report.page import Section, page
 from bench.report.results import Results
 from bench.report.table import Table
@@ -60,7 +60,7 @@ def write_report(trials: Sequence[Trial], folder: Path, extras: Extras | None = 
     sections = chapters(results, extras)
     tables = [table for section in sections for table in section.tables]
     known = {**facts(results), **extras.facts}
-    found = sentences(results)
+    found = findings(results)
     (folder / "csv").mkdir(parents=True, exist_ok=True)
     files = {
         "report.html": page(TITLE, subtitle(results), known, cards(results), found, sections),
@@ -122,7 +122,7 @@ def chapters(results: Results, extras: Extras) -> list[Section]:
     ]  # fmt: skip
 
 
-def markdown(known: Mapping[str, str], found: Sequence[str], sections: Sequence[Section]) -> str:
+def markdown(known: Mapping[str, str], found: Sequence[Finding], sections: Sequence[Section]) -> str:
     """tables.md."""
     lines = [
         f"# {TITLE}",
@@ -132,7 +132,7 @@ def markdown(known: Mapping[str, str], found: Sequence[str], sections: Sequence[
         "## What this run shows",
         "",
     ]
-    lines += [f"- {sentence}" for sentence in found]
+    lines += [f"- **{finding.mark}** {finding.words}" for finding in found]
     for section in sections:
         if section.tables:
             lines += ["", f"## {section.title}", "", "\n".join(table.markdown() for table in section.tables).rstrip()]
