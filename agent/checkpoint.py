@@ -70,3 +70,17 @@ def sqlite_saver(path: Path) -> Any:
             f"cannot keep threads in {path}: {error}", mend="set RAGVLM_HOME to a folder that can be written"
         ) from error
     return saver
+
+
+KEPT = 100
+"""Checkpoints kept per thread: the last few instructions, step by step; a conversation must not grow without bound."""
+
+
+def prune(saver: Any, thread: str, keep: int = KEPT) -> None:
+    """Forgets all but the last `keep` checkpoints of a thread."""
+    with saver.lock:
+        old = """thread_id = ? AND checkpoint_id NOT IN
+                 (SELECT checkpoint_id FROM checkpoints WHERE thread_id = ? ORDER BY checkpoint_id DESC LIMIT ?)"""
+        for table in ("writes", "checkpoints"):
+            saver.conn.execute(f"DELETE FROM {table} WHERE {old}", (thread, thread, keep))
+        saver.conn.commit()

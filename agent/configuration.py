@@ -31,6 +31,7 @@ _BARE = Switches(
     constraints=False,
     recovery=False,
     memory=False,
+    geometric_candidates=False,
     clearance=False,
 )
 
@@ -48,7 +49,7 @@ CONFIGURATIONS: dict[str, Configuration] = {
         Configuration(
             name="no_haarag",
             switches=Switches(retrieval="none", prior="default"),
-            says="fixed defaults instead of retrieved experience (ledger G20)",
+            says="the fixed defaults of ledger G20 as prior on region, type and force instead of retrieved experience",
         ),
         Configuration(
             name="vlm_only",

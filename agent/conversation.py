@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING, Any
 
+from agent.checkpoint import prune
 from kb.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -104,6 +105,8 @@ class Agent:
                 yield from self._steps(entry)
                 entry = yield from self._decide()
             self.result = self._result(self.context.clock() - start)
+            if self.thread is not None:
+                prune(self._graph.checkpointer, self.thread)
         finally:
             self.context.emit = lambda _step: None
             self._running.release()

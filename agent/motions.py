@@ -63,7 +63,7 @@ def act(state: State, runtime: Run) -> Update:
     attempt = Attempt(
         number=number, turn=state.turn, goal=state.agenda[-1], level=state.level, plan=state.plan,
         target=phrases.target_of(state), percept=state.percept, constraints=state.constraints, sensing=sensing, correction=state.correction,
-        thought=state.thought, motion=motion, before=context.world.before(state.world),
+        thought=state.thought, motion=motion, before=opened.physics_of(context.world.before(state.world)),
     )  # fmt: skip
     return Update(
         sensing=sensing, camera=None, attempts=(attempt,), world=context.world.moved(), stale=True, executed=True,

@@ -60,7 +60,15 @@ class OpenedWorld:
         motions, length = struct.unpack_from("<qq", raw)
         self.world.restore(raw[16 : 16 + length])
         self.world.attempt = motions
-        self.observer.load(raw[16 + length :])
+        if len(raw) > 16 + length:
+            self.observer.load(raw[16 + length :])
+
+    @staticmethod
+    def physics_of(blob: bytes) -> bytes:
+        """The snapshot without what the observer has recorded: enough to simulate from, and small."""
+        raw = zlib.decompress(blob)
+        _, length = struct.unpack_from("<qq", raw)
+        return zlib.compress(raw[: 16 + length], level=1)
 
 
 def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", noise: float = 1.0) -> OpenedWorld:

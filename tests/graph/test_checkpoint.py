@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import logging
+import sqlite3
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from agent import build_agent
-from agent.checkpoint import serializer
+from agent.checkpoint import prune, serializer
 from agent.state import State
 from kb.errors import BadInputError, EnvironmentFaultError
 
@@ -59,3 +60,15 @@ def test_unwritable_threads_are_an_environment_fault(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
     with pytest.raises(EnvironmentFaultError, match="RAGVLM_HOME"):
         build_agent("single_cube", thread="t", threads=tmp_path / "file" / "threads.sqlite")
+
+
+def test_a_thread_does_not_grow_without_bound(tmp_path: Path) -> None:
+    """Only the last checkpoints are kept, and the conversation goes on from them."""
+    threads = tmp_path / "threads.sqlite"
+    agent = build_agent("single_cube", 10_001, perception="oracle", thread="mine", threads=threads)
+    for _ in range(3):
+        agent.run("what do you see?")
+    prune(agent._graph.checkpointer, "mine", keep=5)
+    with sqlite3.connect(threads) as connection:
+        assert connection.execute("SELECT COUNT(*) FROM checkpoints").fetchone() == (5,)
+    assert "cube" in agent.run("where is the cube?").answer

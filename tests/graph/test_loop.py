@@ -156,3 +156,29 @@ def test_clearing_handles_every_object() -> None:
     children = [goal for goal in result.goals if goal.parent == 0]
     assert len(children) == 3
     assert all(goal.verdict is not None and goal.verdict.placed for goal in children)
+
+
+def test_a_stop_in_the_middle_of_a_motion_ends_the_run_honestly() -> None:
+    """Stop while the robot moves: the run ends without a claim; after the release the world goes on from there."""
+    agent = cube()
+
+    def stop_on_action(step: BaseStep) -> None:
+        if getattr(step, "kind", "") == "action":
+            agent.stop()
+
+    stopped = agent.run("pick up the cube", stop_on_action)
+    assert not stopped.goals[0].claimed
+    assert not stopped.success
+    assert "stopped" in stopped.answer.lower()
+    agent.release()
+    again = told(agent, "pick up the cube")[0]
+    assert again.goals[0].claimed
+
+
+def test_leaving_the_stream_stops_the_robot() -> None:
+    """Whoever stops listening stops the robot, and the stop latches."""
+    agent = cube()
+    for step in agent.stream("pick up the cube"):
+        if getattr(step, "kind", "") == "action":
+            break
+    assert agent.opened.stop.pressed
