@@ -139,6 +139,10 @@ class Conversation:
             if not line.startswith("/"):
                 return self._say(check_instruction(line))
             name, _, rest = line.partition(" ")
+            # A beginning that fits one command only is enough.
+            fits = [command for command in self._commands if command.startswith(name)] if len(name) > 1 else []
+            if name not in self._commands and len(fits) == 1:
+                name = fits[0]
             if name not in self._commands:
                 raise BadInputError(f'there is no command "{name}"', choices=self._commands)
             return self._commands[name](rest.strip())

@@ -30,6 +30,8 @@ LABELS: dict[str, tuple[str, str]] = {
     "answer": ("Answer", "bold"),
 }
 """Kind of step -> what stands in front of it, and how."""
+NOTHING_NEAR = 0.5
+"""From this clearance on the number says nothing [m]."""
 WIDTH = 13
 """Column at which the text of a step begins."""
 
@@ -111,10 +113,11 @@ def grasp_line(plan: Plan) -> str:
     grasp = plan.grasp
     x, y, z = grasp.position
     tilt = math.degrees(math.acos(max(-1.0, min(1.0, -grasp.approach[2]))))
+    free = "nothing near" if plan.clearance >= NOTHING_NEAR else f"clearance {plan.clearance * 1000:.0f} mm"
     return (
         f"at ({x:.3f}, {y:.3f}, {z:.3f}) m, approach {tilt:.0f} deg off vertical, yaw {math.degrees(grasp.yaw):.0f} deg, "
         f"opening {grasp.aperture * 1000:.0f} mm, force {grasp.force:.1f} N, {grasp.type}; "
-        f"quality {plan.quality.q:.2f}, clearance {plan.clearance * 1000:.0f} mm"
+        f"quality {plan.quality.q:.2f}, {free}"
     )
 
 

@@ -99,6 +99,13 @@ def test_slash_commands_say_what_they_stand_for(talk) -> None:
     ]  # fmt: skip
 
 
+def test_the_beginning_of_a_command_is_enough_if_it_fits_one(talk) -> None:
+    """`/w` fits /why and /whatif and is refused; `/und` is /undo."""
+    _, said, agents = talk("/w", "/und")
+    assert said.count("error: ") == 1
+    assert agents[0].heard == ["undo"]
+
+
 def test_help_lists_every_command(talk) -> None:
     """All commands and the agent's own help."""
     _, said, agents = talk("/help")
