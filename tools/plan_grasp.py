@@ -37,6 +37,8 @@ from tools.planning.search import Search
 from tools.planning.shape_grasp import explain, shape_grasp
 from tools.planning.surroundings import own_points, surroundings
 
+FRESH_DRAW = 0.5
+"""Chance of each candidate to be considered in a retry without diagnosis (configuration `blind_retry`)."""
 CLEARANCE = 0.006
 """Clearance wanted from everything perceived [m]; scaled by the margins of constraints and corrections."""
 LAST_CLEARANCES = (0.003, -0.001)
@@ -80,7 +82,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
 
     Args:
         args: What was perceived, retrieved, inferred and remembered, and the correction after a failure.
-        context: Robot (joint angles now) and switches.
+        context: Robot (joint angles now), switches, and random generator (retries without diagnosis).
 
     Returns:
         The plan with the provenance of each number, or None with the reasons counted.
@@ -95,11 +97,14 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     chain = prior_chain(subject, args.retrieval, args.memory, switches, exclude)
     if correction and ({"type", "approach"} & set(correction.changes) or correction.region):
         chain = tuple(_corrected(prior, correction) for prior in chain)
-    if not switches.geometric_candidates or switches.prior == "default":
+    if not switches.geometric_candidates:
         return _literal(args, subject, chain[0], context)
     rejected: dict[str, int] = {}
     way = arm_way(args.percept, subject.id, context)
     candidates = _usable(generate_candidates(subject), exclude, rejected)
+    if args.attempt > 0 and not switches.diagnosis_used:
+        # A blind retry: nothing is known of what failed, so a fresh draw decides what is considered at all.
+        candidates = [item for item in candidates if context.rng.random() < FRESH_DRAW] or candidates
     pool = constrain(candidates, subject, args.constraints, rejected)
     search = Search(
         subject=subject,
@@ -228,7 +233,7 @@ def _literal(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior, contex
     adjustment = args.constraints.adjustment
     candidate = literal_candidate(subject, prior, adjustment)
     item = Constrained(candidate, 0.0)
-    force = _force(args, subject, prior)
+    force = replace(_force(args, subject, prior), literal=True)
     opening = prior.aperture if prior.aperture is not None else MAX_APERTURE
     if args.correction and "aperture" in args.correction.changes:
         opening = min(MAX_APERTURE, float(str(args.correction.changes["aperture"])))

@@ -111,12 +111,18 @@ def _numbers(plan: Plan) -> dict[str, str]:
     }
 
 
+FIXED_DEFAULT = "fixed default"
+"""Id in the provenance of what follows from the defaults of ledger G20 (`tools.planning.grasp_prior`)."""
+
+
 def _source(situation: Situation) -> str:
     """Which memory or experience the strategy comes from, by the plan's own provenance."""
     assert situation.plan is not None
     used = [item for sources in situation.plan.provenance.values() for item in sources]
     if any(item.source == "memory" for item in used):
         return "It worked like this before in this session."
+    if any(item.id == FIXED_DEFAULT for item in used):
+        return "Neither an experience nor a vision-language model proposes a grasp, so I take the fixed default."
     ids = {item.id for item in used if item.source == "experience"}
     for item in situation.retrieval.top if situation.retrieval else ():
         e = item.experience

@@ -47,9 +47,13 @@ class ForceTerms:
     """Where the weight acts, horizontally [m]."""
     steps: tuple[Provenance, ...]
     """Where `base` comes from."""
+    literal: bool = False
+    """The force is `base` as it stands, within what the motor can do: neither floor nor cap (the paper as printed)."""
 
     def force(self, candidate: Candidate) -> float:
         """Force per finger for a candidate [N]."""
+        if self.literal:
+            return min(MAX_FORCE, max(MIN_FORCE, self.base))
         return min(MAX_FORCE, max(MIN_FORCE, min(max(self.base, self.floor, self.tipping(candidate)), self.cap)))
 
     def tipping(self, candidate: Candidate) -> float:
@@ -63,6 +67,8 @@ class ForceTerms:
     def provenance(self, candidate: Candidate) -> tuple[Provenance, ...]:
         """The steps that led to `force`."""
         steps, force = list(self.steps), self.base
+        if self.literal:
+            return tuple(steps)
         for value, name in ((self.floor, "no-slip floor"), (self.tipping(candidate), "weight beside the grip")):
             if force < value:
                 force = value
