@@ -111,7 +111,8 @@ class RgbdPerceiver:
         """Embedding of the masked crop, from the front view if enough of the object is seen there."""
         if self._embedder is None:
             return ()
-        seen_in_front = int((~blob.from_top).sum()) >= FEWEST_EMBEDDED
+        front, top = int((~blob.from_top).sum()), int(blob.from_top.sum())
+        seen_in_front = front >= FEWEST_EMBEDDED or front >= top
         view = next(view for view in look.views if view.name == ("front" if seen_in_front else "top"))
         pixels = blob.pixel[~blob.from_top if seen_in_front else blob.from_top]
         mask = np.zeros(view.depth.size, bool)
