@@ -111,8 +111,8 @@ def _numbers(plan: Plan) -> dict[str, str]:
     }
 
 
-FIXED_DEFAULT = "fixed default"
-"""Id in the provenance of what follows from the defaults of ledger G20 (`tools.planning.grasp_prior`)."""
+LITERAL, FIXED_DEFAULT = "literal parameters", "fixed default"
+"""Candidate's name and id in the provenance of the grasp of ledger G20 (`literal_plan` and `grasp_prior` of the tools)."""
 
 
 def _source(situation: Situation) -> str:
@@ -121,7 +121,7 @@ def _source(situation: Situation) -> str:
     used = [item for sources in situation.plan.provenance.values() for item in sources]
     if any(item.source == "memory" for item in used):
         return "It worked like this before in this session."
-    if any(item.id == FIXED_DEFAULT for item in used):
+    if situation.plan.candidate == LITERAL and any(item.id == FIXED_DEFAULT for item in used):
         return "Neither an experience nor a vision-language model proposes a grasp, so I take the fixed default."
     ids = {item.id for item in used if item.source == "experience"}
     for item in situation.retrieval.top if situation.retrieval else ():
