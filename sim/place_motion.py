@@ -38,6 +38,8 @@ RELEASE_ROOM = 0.03
 """How much wider than the held object the hand opens to let go [m]."""
 OPENING_FORCE = 20.0
 """Motor force while the hand opens [N]."""
+LOOSE = 5e-4
+"""How far the fingers have moved apart when they no longer press [m]."""
 TRAVEL_FORCE = 30.0
 """Wrist force, less nothing for the load, that stops a free motion [N]: a load of 0.6 kg shaken at 2 g stays below."""
 CARRY_HEIGHTS = (0.15, 0.10, 0.06)
@@ -176,11 +178,13 @@ def lower_here(motion: MotionRun) -> None:
 
 def let_go(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
     """Opens a little wider than what is held, and retreats along the approach without dragging."""
-    motion.world.set_grip_force(OPENING_FORCE)
-    here = motion.commanded
-    opening = min(2 * FINGER_TRAVEL, max(motion.aperture + RELEASE_ROOM, 0.02))
+    here, before = motion.commanded, motion.aperture
+    opening = min(2 * FINGER_TRAVEL, max(before + RELEASE_ROOM, 0.02))
     data, column = motion.world.data.sensordata, motion.world.index.sensors["robot/opening"].start
     longest = (opening - motion.grip) / GRIP_SLEW + 0.2
+    # The command rises slowly from "closed"; until it passes the fingers, a larger force would squeeze what is held.
+    motion.run(hold(here, opening, longest), "release", lambda: "loose" if data[column] > before + LOOSE else None)
+    motion.world.set_grip_force(OPENING_FORCE)
     motion.run(hold(here, opening, longest), "release", lambda: "open" if data[column] > opening - 1e-3 else None)
     retreat(motion)
     motion.note(aperture_end=motion.aperture)

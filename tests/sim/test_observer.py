@@ -258,3 +258,15 @@ def test_carrying_a_fragile_thing_is_no_damage() -> None:
     robot.go_home()
     assert observer.damaged() == ()
     assert observer.judge(picked, "cube").success
+
+
+def test_letting_go_does_not_squeeze() -> None:
+    """Opening the hand never presses harder than the grip did: a fragile thing survives being put down."""
+    fragile = thing("wood_cube", "cube", 0.5, 0.05, fragility=0.9)
+    world = World(scene(fragile))
+    robot, observer = Robot(world), Observer(world)
+    robot.grasp(grasp(0.5, 0.05, 0.025, force=3.0))
+    robot.place((0.5, -0.1, 0.027))
+    track = observer._motion(world.attempt)["cube"].track
+    assert float(track.pads[track.rows("release")].max()) < 4.0
+    assert observer.damaged() == ()
