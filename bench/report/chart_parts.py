@@ -142,7 +142,7 @@ def failure_chart(results: Results) -> str:
     if not whole:
         return ""
     common = [kind for kind, _ in sorted(whole.items(), key=lambda item: (-item[1], item[0]))][: len(TYPE_COLOURS)]
-    words = [*common, "other types"]
+    words = [*(kind.replace("_", " ").lower() for kind in common), "other types"]
     bars: list[Bar] = []
     for name, found in counts.items():
         n = len(results.of(name))

@@ -89,7 +89,7 @@ def html_table(table: Table) -> str:
 def _row(table: Table, row: Sequence[Content]) -> str:
     kind = ' class="strong"' if text(row[0]) in table.emphasis or text(row[0]) == "all" else ""
     cells = "".join(_cell(content, shaded=table.shaded) for content in row[1:])
-    return f'<tr{kind}><th scope="row">{_breakable(text(row[0]))}</th>{cells}</tr>'
+    return f'<tr{kind}><th scope="row">{escape(text(row[0]))}</th>{cells}</tr>'
 
 
 def _cell(content: Content, *, shaded: bool) -> str:
