@@ -29,6 +29,8 @@ def test_importing_the_agent_is_light() -> None:
 
 @pytest.mark.slow
 def test_a_run_needs_nothing_heavy() -> None:
-    """A whole run with the rules brain loads no torch, transformers, chromadb, scipy, matplotlib or trimesh."""
+    """A whole run with the rules brain loads no torch, transformers, scipy, matplotlib or trimesh."""
     code = 'from agent import build_agent\nbuild_agent("single_cube").run("pick up the cube")'
-    assert loaded(code) == ["", "True True"]
+    heavy, light = loaded(code)
+    assert heavy in ("", "chromadb")  # the store of experiences may use its database
+    assert light == "True True"
