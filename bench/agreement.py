@@ -130,7 +130,7 @@ def _number(value: float | None) -> Number | None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line: compares two run folders."""
-    parser = argparse.ArgumentParser(prog="python -m bench.agreement", description=__doc__.split("\n", 1)[0])
+    parser = argparse.ArgumentParser(prog="python -m bench.agreement", description="Agreement of the two evaluators.")
     parser.add_argument("physics", type=Path, help="folder of a run with --evaluator mujoco")
     parser.add_argument("analytic", type=Path, help="folder of a run with --evaluator analytic")
     parser.add_argument("--markdown", type=Path, help="write the table there (default: standard output)")
