@@ -102,6 +102,13 @@ def removal(state: State, object_id: str) -> Goal | None:
     )
 
 
+def parts_of(goals: tuple[Goal, ...], index: int) -> tuple[Goal, ...]:
+    """The goals that are parts of a clear or sort, without what only freed the hand for it."""
+    return tuple(
+        g for g in goals if g.parent == index and g.placement is not None and g.placement.kind in ("bin", "lane")
+    )
+
+
 def next_to_handle(state: State, percept: Percept, graph: SceneGraph | None) -> Goal | None:
     """The next object of a clear or sort goal, or None when all were handled.
 
@@ -109,7 +116,7 @@ def next_to_handle(state: State, percept: Percept, graph: SceneGraph | None) -> 
     reaches over what is still there (ledger A3.8).
     """
     goal = state.goal
-    handled = {g.target for g in state.goals if g.parent == state.agenda[-1]}
+    handled = {g.target for g in parts_of(state.goals, state.agenda[-1])}
     left = [obj for obj in percept.objects if obj.id not in handled and on_table(obj, percept)]
     if goal.reference is not None and goal.reference.ids:
         left = [obj for obj in left if obj.id in goal.reference.ids]

@@ -65,6 +65,8 @@ def _outcome(situation: Situation, goal: Goal) -> str:
     if goal.kind == "pick":
         if goal.placement is not None:
             return f"Here is the {name}{many}; I hold it out to you."
+        if situation.held is None or situation.held.object.id != goal.target:
+            return f"I picked up the {name}{many} and put it down again."
         return f"I hold the {name}{many}."
     if goal.kind == "place":
         return f"I put the {name} {phrases.place_words(goal)}{many}."

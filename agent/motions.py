@@ -219,6 +219,7 @@ def place(state: State, runtime: Run) -> Update:
         sensing=sensing,
         held=still,
         moved=Moved(id=state.held.object.id, category=state.held.category, origin=state.held.object.position),
+        displaced=(*state.displaced, state.held.object.id),
         motions={**state.motions, state.agenda[-1]: opened.motions},
         times=times,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from agent.agenda import parts_of
 from agent.approval import Decision
 from agent.attempt import Attempt, Held
 from agent.goal import Goal, Understanding
@@ -170,16 +171,11 @@ def next_object(sub: Goal) -> str:
 
 def children(state: State) -> tuple[bool, str]:
     """Whether all objects of a clear or sort were handled, and a note."""
-    parts = [goal for goal in state.goals if goal.parent == state.agenda[-1] and goal.target in _wanted(state)]
+    parts = parts_of(state.goals, state.agenda[-1])
     failed = [plain(goal.target_category or "object") for goal in parts if goal.status == "failed"]
     if failed:
         return False, f"{len(parts) - len(failed)} of {len(parts)} done; not the {', '.join(failed)}"
     return bool(parts), f"{len(parts)} of {len(parts)} done"
-
-
-def _wanted(state: State) -> tuple[str | None, ...]:
-    reference = state.goal.reference
-    return reference.ids if reference is not None and reference.ids else tuple(g.target for g in state.goals)
 
 
 def planned(plan: Plan | None, reason: str) -> str:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Protocol
 
+from agent.agenda import parts_of
 from agent.attempt import Attempt
-from agent.goal import Goal
+from agent.goal import Goal, Placement
 from agent.placing import in_robots_words
 from agent.state import State
 from kb.base import Vec3
@@ -125,7 +126,8 @@ def _judged(
     """The observer's word on a goal that moves."""
     goal = state.goals[index]
     if goal.kind in ("clear", "sort"):
-        children = [i for i, g in enumerate(state.goals) if g.parent == index]
+        parts = parts_of(state.goals, index)
+        children = [i for i, g in enumerate(state.goals) if g in parts and g.parent == index]
         done = [_goal(state, i, observer).success for i in children]
         return bool(done) and all(done) and goal.claimed, None
     if goal.note == "planned, not executed":
@@ -135,13 +137,23 @@ def _judged(
     if index not in state.motions:
         return False, verdict
     other = _other(state, goal, observer, state.motions[index])
-    placed = observer.judge(state.motions[index], meant, in_robots_words(goal.placement), other)
+    placed = observer.judge(state.motions[index], meant, _told(state, goal, goal.placement), other)
     if verdict is None:
         return placed.success, placed.verdict
     damage = tuple(dict.fromkeys((*verdict.damage, *placed.verdict.damage)))
     disturbed = tuple(dict.fromkeys((*verdict.disturbed, *placed.verdict.disturbed)))
     merged = verdict.model_copy(update={"placed": placed.verdict.placed, "damage": damage, "disturbed": disturbed})
     return placed.success and not damage, merged
+
+
+def _told(state: State, goal: Goal, placement: Placement) -> Placement:
+    """The placement as the observer checks it: in the robot's words.
+
+    "Back" is where the trial began; of a thing that had been put elsewhere in between, only that it stands free.
+    """
+    if placement.kind == "back" and state.displaced.count(goal.target or "") > 1:
+        return Placement(kind="aside")
+    return in_robots_words(placement)
 
 
 def _meant(goal: Goal, observer: Judge | None, motion: int | None) -> str | None:

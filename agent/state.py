@@ -76,6 +76,8 @@ class State:
     """Opaque snapshot after the last motion; empty while nothing has moved."""
     moved: Moved | None = None
     """What was put somewhere last, for "it" and "undo"."""
+    displaced: tuple[str, ...] = ()
+    """Perceived ids of what was put somewhere in this conversation, in order, repeated."""
     motions: dict[int, int] = field(default_factory=dict)
     """Place goals of this turn: index -> number of the placing motion."""
     extra_actions: int = 0
@@ -138,6 +140,7 @@ class Update(TypedDict, total=False):
     last_target: str | None
     world: bytes
     moved: Moved | None
+    displaced: tuple[str, ...]
     motions: dict[int, int]
     extra_actions: int
     relooks: int
