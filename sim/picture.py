@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.picture_opengl import NoOpenGLError, OpenGLPainter
-from sim.picture_rays import DRAFT, FINE, Finish, RayPainter
+from sim.picture_rays import DRAFT, FINE, PLAIN, Finish, RayPainter
 from sim.placed import PlacedScene
 from sim.viewpoint import OVERVIEW, Viewpoint
 from sim.visual_model import LARGEST, visual_model
@@ -90,4 +90,4 @@ class PictureMaker:
         self.close()
 
 
-__all__ = ["DRAFT", "FINE", "Kind", "PictureMaker", "Viewpoint"]
+__all__ = ["DRAFT", "FINE", "PLAIN", "Kind", "PictureMaker", "Viewpoint"]

@@ -23,9 +23,9 @@ SAMPLE_S = 0.15
 """Simulated time between two samples [s]."""
 SPEED = 2.0
 """The video runs this much faster than the simulated time."""
-MAX_FRAMES = {"opengl": 100, "raycast": 60}
-"""Painting takes about 90 and 120 ms a frame on one core; longer runs are sampled more coarsely."""
-SIZES = {"opengl": (640, 360), "raycast": (400, 225)}
+MAX_FRAMES = {"opengl": 100, "raycast": 48}
+"""Painting takes about 90 and 140 ms a frame on one core; longer runs are sampled more coarsely."""
+SIZES = {"opengl": (640, 360), "raycast": (320, 180)}
 """Width and height of a frame [px], by how it is painted."""
 
 COLOURS, PALETTE_FRAMES = 128, 6

@@ -35,13 +35,14 @@ PALETTE: tuple[tuple[int, int, int], ...] = (
 ARROWS: tuple[Relation, ...] = (
     "ON_TOP_OF",
     "CONTAINS",
-    "TOUCHING",
     "LEANING_ON",
-    "ADJACENT_TO",
     "OCCLUDES",
     "BLOCKS_APPROACH",
+    "TOUCHING",
+    "ADJACENT_TO",
 )
-"""Relations drawn as arrows; the directional ones hold between almost all pairs and are only listed."""
+"""Relations drawn as arrows, the telling ones first; the directional ones hold between almost all pairs and are only
+listed."""
 BOX_CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 BOX_EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1]
 PANEL = 430
@@ -81,7 +82,7 @@ def draw_scene_graph(
             ends = [(float(corners[a, 0]), float(corners[a, 1])), (float(corners[b, 0]), float(corners[b, 1]))]
             draw.line(ends, fill=(*colour, 220), width=4 if thing.id == target else 2)
     shown = distinct_edges(graph) if graph is not None else ()
-    taken: list[Box] = []
+    taken: list[Box] = [(x - MARK, y - MARK, x + MARK, y + MARK) for x, y in centres.values()]
     for (source, other), words in _arrow_labels(shown).items():
         if source in centres and other in centres:
             _arrow(draw, centres[source], centres[other], words, taken)
@@ -124,16 +125,14 @@ def distinct_edges(graph: SceneGraph) -> tuple[SceneEdge, ...]:
 
 
 def _arrow_labels(edges: tuple[SceneEdge, ...]) -> dict[tuple[str, str], str]:
-    """What to write on the arrow of each pair that has one: all its relations, and the gap once."""
-    words: dict[tuple[str, str], list[str]] = {}
-    gaps: dict[tuple[str, str], str] = {}
-    for edge in edges:
-        if edge.relation in ARROWS:
-            pair = (edge.source, edge.target)
-            words.setdefault(pair, []).append(edge.relation.lower().replace("_", " "))
-            if edge.gap is not None:
-                gaps[pair] = f" {edge.gap * 1000:.0f} mm"
-    return {pair: ", ".join(said) + gaps.get(pair, "") for pair, said in words.items()}
+    """What to write on the arrow of each pair that has one: its most telling relation and the gap."""
+    best: dict[tuple[str, str], SceneEdge] = {}
+    for edge in sorted((e for e in edges if e.relation in ARROWS), key=lambda e: ARROWS.index(e.relation)):
+        best.setdefault((edge.source, edge.target), edge)
+    return {
+        pair: edge.relation.lower().replace("_", " ") + (f" {edge.gap * 1000:.0f} mm" if edge.gap else "")
+        for pair, edge in best.items()
+    }
 
 
 def _arrow(draw: ImageDraw, start: tuple[float, float], end: tuple[float, float], label: str, taken: list[Box]) -> None:
@@ -152,7 +151,9 @@ def _arrow(draw: ImageDraw, start: tuple[float, float], end: tuple[float, float]
     wings = [head, head - along * 13 + across * 6, head - along * 13 - across * 6]
     draw.polygon([(float(p[0]), float(p[1])) for p in wings], fill=(30, 30, 30, 255))
     font = ImageFont.load_default(size=15)
-    places = [tail + (head - tail) * share for share in (0.5, 0.35, 0.65, 0.2, 0.8)]
+    middle = (tail + head) / 2
+    places = [middle + along * length * share for share in (0.0, -0.15, 0.15, -0.3, 0.3)]
+    places += [middle + across * shift for shift in (-32.0, 32.0, -64.0, 64.0)]
     boxes = [draw.textbbox((float(p[0]), float(p[1])), label, font=font, anchor="mm") for p in places]
     free = next((i for i, box in enumerate(boxes) if not any(_overlap(box, other) for other in taken)), 0)
     box, place = boxes[free], places[free]

@@ -22,7 +22,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "cube"
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RAGVLM_OPENGL", "disable")
-        patch.setattr(record_module, "PICTURE_SIZE", (96, 54))
+        patch.setattr(record_module, "PICTURE_SIZES", {"raycast": (96, 54)})
         patch.setattr(video, "SIZES", {"raycast": (96, 54)})
         patch.setattr(video, "MAX_FRAMES", {"raycast": 6})
         patch.setattr(video.shutil, "which", lambda _name: None)
