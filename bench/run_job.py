@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
 
 from bench.bare_ratio import MotionMeter
@@ -43,6 +44,14 @@ def _said(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"
 
 
+@lru_cache(maxsize=1)
+def _store() -> Any:
+    """The shipped knowledge base, read once a process; nothing writes to it."""
+    from kb.store import ExperienceStore
+
+    return ExperienceStore.open(None)
+
+
 class _Shared:
     """The world of a job, and what its configurations have in common."""
 
@@ -75,7 +84,7 @@ class _Shared:
         agent = build_agent(
             scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
             evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
-            opened=self.opened, perceiver=self._perceiver(perception),
+            opened=self.opened, perceiver=self._perceiver(perception), store=_store(),
         )  # fmt: skip
         agent.context.clock = self.looks.clock
         result = agent.run(self.instruction)
