@@ -15,7 +15,7 @@ RAISED = 0.10
 """Demanded height of the lift [m]."""
 LEAST_LOAD = 0.005
 """Below this the wrist can't tell a load from none [kg]."""
-SUNK = 0.0035
+SUNK = 0.008
 """Change of the opening after closing that says the object moved between the fingers [m]."""
 WIDTH_SURPRISE = 0.016
 """Opening at rest that differs this much from the perceived width: something else, or another place, is held [m]."""

@@ -93,7 +93,7 @@ def _closings(subject: PerceivedObject) -> list[tuple[str, float, float, Array, 
         ]
     along = horizontal(subject.yaw)
     # Long things may be taken beside their middle when something stands in the way there.
-    offsets = (0.0, 0.08, -0.08, 0.15, -0.15, 0.22, -0.22, 0.3, -0.3) if long > 0.09 else (0.0,)
+    offsets = (0.0, 0.08, -0.08, 0.15, -0.15, 0.22, -0.22, 0.3, -0.3, 0.38, -0.38) if long > 0.09 else (0.0,)
     found = [(f"across{round(100 * f):+d}", wrap(subject.yaw + math.pi / 2), short, along, f * long) for f in offsets]
     found.append(("along", wrap(subject.yaw), long, along, 0.0))
     return found

@@ -21,6 +21,10 @@ CALM = 1.1
 """Largest swing of a joint while the wrist turns by +-15 degrees [rad]; beyond it the arm is near a singularity, and what
 it holds is thrown about (measured: 1.6 rad lost a screwdriver at any force, ordinary postures need 0.5 to 0.9)."""
 
+FOLDED = -2.80
+"""Fourth joint angle below which the elbow is so folded that the forearm meets the shoulder [rad] (measured: contact at
+-2.93)."""
+
 Posture = tuple[float, ...]
 
 
@@ -60,6 +64,8 @@ class ArmWay:
 
 
 def is_calm(reach: Reach) -> bool:
-    """Whether the shake at the top of the lift moves no joint by more than `CALM`."""
+    """Whether the elbow stays open and the shake at the top of the lift moves no joint by more than `CALM`."""
+    if min(float(reach.approach[:, 3].min()), float(reach.lift[:, 3].min())) < FOLDED:
+        return False
     rocked = rocked_configurations(reach.lift[-1], np.linspace(-ANGLE, ANGLE, 5))
     return rocked is None or float(np.ptp(rocked, axis=0).max()) <= CALM

@@ -57,12 +57,13 @@ def rim_candidates(subject: PerceivedObject, rim: Part, region: Region) -> list[
     below = min(GRIP_BELOW_RIM, rim.centre[2] - support - TABLE_MARGIN - TIP_REACH - 0.005)
     if room <= rim.width + 0.012 or below < 0.002:
         return []
+    tilts = sorted({draft, 0.0, BOWL_DRAFT, math.radians(25.0)} if subject.shape == "bowl" else {draft, 0.0})
     found: list[Candidate] = []
     for k in range(AZIMUTHS):
         azimuth = 2 * math.pi * k / AZIMUTHS
         if blocked is not None and abs(math.remainder(azimuth - blocked, 2 * math.pi)) < HANDLE_SECTOR:
             continue
-        for tilt in sorted({draft, 0.0, math.radians(25.0)}):
+        for tilt in tilts:
             found.append(_rim_grip(subject, rim, region, radius, azimuth, tilt, tilt - draft, below, room))
     return found
 

@@ -21,7 +21,7 @@ from tools.planning.posture import ArmWay, Posture
 from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
 from tools.planning.shape_grasp import narrow_opening, shape_grasp
 
-MEASURED = 60
+MEASURED = 150
 """Candidates whose clearance is measured, best first."""
 TRIED_POSTURES = 14
 """Candidates for which an arm posture is sought, best first (2 to 4 ms each)."""
@@ -53,6 +53,8 @@ class Search:
     """Refuse arm postures that are near a singularity."""
     rejected: dict[str, int] = field(default_factory=dict[str, int])
     alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list[tuple[Ranked, Posture]])
+    measured: dict[tuple[object, ...], tuple[float, float, float]] = field(default_factory=dict)
+    """Pose -> clearance, opening, and the clearance that was asked for then (a smaller one is only a bound) [m]."""
     unreachable: set[str] = field(default_factory=set[str])
 
     def best(
@@ -134,7 +136,18 @@ class Search:
         return None
 
     def _roomiest(self, grasp: Grasp, narrowest: float, required: float) -> tuple[float, float]:
-        """Clearance from the neighbours [m], and the opening with which it is had [m]."""
+        """Clearance from the neighbours [m], and the opening with which it is had [m].
+
+        The same pose comes again as another type and in later pools, so what was measured is kept.
+        """
+        key = (grasp.position, grasp.approach, round(grasp.yaw, 9), grasp.aperture)
+        known = self.measured.get(key)
+        if known is None or (known[0] < known[2] and known[0] >= required):
+            known = (*self._measure(grasp, narrowest, required), required)
+            self.measured[key] = known
+        return known[0], known[1]
+
+    def _measure(self, grasp: Grasp, narrowest: float, required: float) -> tuple[float, float]:
         offset = self.neighbours_w - np.asarray(grasp.position)
         far = HAND_RADIUS + grasp.standoff + FULL_LIFT + ROOMY
         near = self.neighbours_w[np.einsum("ij,ij->i", offset, offset) < far * far]
