@@ -11,6 +11,8 @@ def is_inside(blob: Blob, holder: Measured) -> bool:
     """The blob is seen inside the rim of a round holder, and not above it."""
     if not holder.is_round or holder.radius < 0.02 or len(holder.blob.xyz) < 0.5 * len(blob.xyz):
         return False
+    if np.median(blob.xyz[:, 2]) < np.quantile(holder.blob.xyz[:, 2], 0.02):
+        return False  # a wine glass's foot lies below its bowl
     reach = np.hypot(*(blob.xyz[:, :2] - holder.centre).T)
     within = np.quantile(reach, 0.95) < 0.96 * holder.radius and blob.from_top.mean() > 0.3
     return bool(within and np.quantile(blob.xyz[:, 2], 0.95) < holder.top + 0.004 and has_rim(holder))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tools.perception.outline import Outline, outline
 from tools.perception.sphere import Sphere, fit_sphere
-from tools.perception.upright_box import UprightBox
+from tools.perception.upright_box import UprightBox, wrap_half_turn
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,8 +24,8 @@ LEVELS = 12
 STATIONS = 12
 """Places along an object's longer axis at which its width is measured."""
 
-ROUND = 0.035
-"""Outlines with less roughness are round."""
+ROUND = (0.035, 0.055)
+"""Outlines with less roughness are round; opaque, and clear (noisier)."""
 
 BALL_RESIDUAL = 0.0022
 """Points of a ball lie this near to the fitted one [m]."""
@@ -35,6 +35,9 @@ TOP_BIAS = (0.0007, 0.0018)
 
 CROWN = 0.007
 """Height of the topmost slice of a round thing [m]."""
+
+SPARE_WHOLE = (6, 8)
+"""Farthest points left out of an outline that includes the front view, whose noise points outwards; opaque, clear."""
 
 HIDDEN = 0.15
 """A thing of which less than this share of the points is seen from above is hidden by what it carries."""
@@ -71,6 +74,10 @@ class Blob:
         known = np.isfinite(self.clear)
         return float(self.clear[known].mean()) if known.sum() >= 10 else 0.0
 
+    def all_edge(self) -> bool:
+        """Nearly all points lie at edges, so that nothing tells whether the thing is clear."""
+        return bool(np.isfinite(self.clear).mean() < 0.15)
+
 
 @dataclass(frozen=True)
 class Measured:
@@ -87,6 +94,10 @@ class Measured:
     """Vertical axis (2,): of the circle if round, of the box otherwise."""
     radius: float
     """Radius of the outline's circle."""
+    bulge: float
+    """How far something sticks out of the circle."""
+    bulge_azimuth: float
+    """Where it does [rad]."""
     base: float
     """Height of the lowest point."""
     top: float
@@ -121,7 +132,8 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
     """
     xyz = blob.xyz
     above = xyz[blob.from_top] if blob.from_top.sum() >= 40 else xyz
-    top = top_height(xyz[:, 2]) - TOP_BIAS[int(blob.lost() > CLEAR_LOSS)]
+    clear = int(blob.lost() > CLEAR_LOSS)
+    top = top_height(xyz[:, 2]) - TOP_BIAS[clear]
     if load is not None:
         top = covered_top(blob)
         if blob.from_top.mean() < HIDDEN:  # what hides it from above stands on its middle
@@ -130,11 +142,13 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
     high = above[above[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
     view = outline(high if len(high) >= 20 else above)
     ball = fit_sphere(xyz if len(xyz) < 3000 else xyz[:: len(xyz) // 1500])
-    if view.roughness >= ROUND:  # from above, a lip may hide the far side of a belly
-        whole = outline(xyz[xyz[:, 2] > min(support + 0.009, support + 0.4 * (top - support))])
-        view = whole if whole.roughness < ROUND else view
+    if view.roughness >= ROUND[clear]:  # from above, a lip may hide the far side of a belly
+        solid = xyz[xyz[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
+        whole = outline(solid, SPARE_WHOLE[clear])
+        view = whole if whole.roughness < ROUND[clear] else view
     is_ball = _is_ball(ball, support, top, view)
-    is_round = view.roughness < ROUND
+    is_round = view.roughness < ROUND[clear]
+    bulge, azimuth = view.bulge, view.bulge_azimuth
     if is_ball:
         centre, radius, base, top = (
             ball.centre[:2],
@@ -144,7 +158,9 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
         )
     else:
         centre, radius, base = *_crowned(above, view, top), support
-    box = _box(view, is_ball, is_round, centre, radius, base, top)
+        if is_round:
+            bulge, azimuth = _bulge(view, centre, radius)
+    box = _box(view, is_ball, is_round, (centre, radius, bulge, azimuth), base, top)
     if not is_round and not is_ball:
         centre = box.centre[:2]
     height = max(top - base, 1e-3)
@@ -159,6 +175,8 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
         is_round=is_round,
         centre=centre,
         radius=radius,
+        bulge=bulge,
+        bulge_azimuth=azimuth,
         base=base,
         top=top,
         profile=_profile(blob, centre, base, height),
@@ -196,12 +214,12 @@ def _crowned(above: Array, view: Outline, top: float) -> tuple[Array, float]:
     there the outline falls short, so that the radius is the reach in the directions where it does not.
     """
     high = above[above[:, 2] > top - CROWN]
-    if len(high) < 25 or view.roughness >= ROUND:
+    if len(high) < 25 or view.roughness >= ROUND[1]:
         return view.centre, view.radius
     crown = outline(high)
-    if crown.roughness > ROUND or not 0.008 < crown.radius < 1.05 * view.radius:
+    if crown.roughness > ROUND[1] or not 0.005 < crown.radius < 1.05 * view.radius:
         return view.centre, view.radius
-    if np.hypot(*(crown.centre - view.centre)) > 0.15 * view.radius:
+    if np.hypot(*(crown.centre - view.centre)) > 0.25 * view.radius:
         return view.centre, view.radius
     reach = view.excess(crown.centre)
     near = np.abs(reach - np.median(reach)) < 0.15 * view.radius  # without a handle
@@ -214,20 +232,28 @@ def _is_ball(ball: Sphere, support: float, top: float, view: Outline) -> bool:
     return bool(ball.residual < BALL_RESIDUAL and rests and near and 0.008 < ball.radius < 0.08)
 
 
+def _bulge(view: Outline, centre: Array, radius: float) -> tuple[float, float]:
+    """Largest excess of the outline over the circle [m] and its azimuth [rad]."""
+    excess = view.excess(centre) - radius
+    far = int(np.argmax(excess))
+    return float(excess[far]), float(far * 2 * np.pi / len(excess))
+
+
 def _box(
-    view: Outline, is_ball: bool, is_round: bool, centre: Array, radius: float, base: float, top: float
+    view: Outline, is_ball: bool, is_round: bool, circle: tuple[Array, float, float, float], base: float, top: float
 ) -> UprightBox:
-    """The upright box: around the ball, around the circle and what sticks out of it, or the smallest rectangle."""
+    """The upright box: around the ball, around the circle and what sticks out of it, or the smallest rectangle.
+
+    `circle` is the centre (2,), the radius and the bulge [m], and the bulge's azimuth [rad].
+    """
+    centre, radius, bulge, azimuth = circle
     z, height = (base + top) / 2, max(top - base, 1e-3)
-    if is_ball or (is_round and view.bulge < 0.10 * view.radius + 0.002):
+    if is_ball or (is_round and bulge < 0.10 * radius + 0.003):
         return UprightBox(np.array([*centre, z]), 0.0, np.array([2 * radius, 2 * radius, height]))
     if is_round:
-        reach = view.bulge
-        along = np.array([np.cos(view.bulge_azimuth), np.sin(view.bulge_azimuth)])
-        yaw = float((view.bulge_azimuth + np.pi / 2) % np.pi - np.pi / 2)
-        return UprightBox(
-            np.array([*(centre + along * reach / 2), z]), yaw, np.array([2 * radius + reach, 2 * radius, height])
-        )
+        along = np.array([np.cos(azimuth), np.sin(azimuth)])
+        middle = np.array([*(centre + along * bulge / 2), z])
+        return UprightBox(middle, wrap_half_turn(azimuth), np.array([2 * radius + bulge, 2 * radius, height]))
     middle, yaw, longer, shorter = view.rectangle()
     return UprightBox(np.array([*middle, z]), yaw, np.array([longer, shorter, height]))
 
@@ -280,7 +306,9 @@ def _hollow(blob: Blob, centre: Array, radius: float, base: float, top: float) -
         ]
     )
     if len(z) < 12:
-        return 0.0, 0.0, np.nan, np.nan
+        # Something else hides the inside: a ring without a middle is a rim, of a hollow of unknown depth.
+        ring_shaped = np.quantile(ring, 0.3) > 0.7 * radius
+        return (0.5, 0.0, float(outer - inner), float(outer + inner) / 2) if ring_shaped else (0.0, 0.0, np.nan, np.nan)
     z = z[z <= np.quantile(z, 0.5)]  # the lower half: the other one may be the far wall, seen at a slant
     floor = float(np.median(z))
     depth = (top - floor) / height

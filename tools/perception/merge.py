@@ -51,6 +51,9 @@ CRUMB = 0.10
 GAP = 0.045
 """How far the top of what is underneath may be hidden below a hanging thing [m]."""
 
+THINNEST = 0.0075
+"""Nothing lower carries anything [m]: a wine glass's foot is part of the glass."""
+
 STANDING = 0.014
 """A piece whose lowest points are below this stands on the table [m]."""
 
@@ -62,6 +65,9 @@ LOOKS_OUT, NESTED_BASE = 0.008, 0.002
 
 SPLINTER = 0.06
 """Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
+
+HAZE_RADIUS = 0.05
+"""Distance in chromaticity up to which something may be the slanted side of glass next to it."""
 
 MOST_PIECES = 7
 """Of a cluster with more pieces only the largest are told apart."""
@@ -198,6 +204,20 @@ class Merger:
         groups: list[tuple[int, ...]] = [(piece,) for piece in sorted(kept)]
         contents = self._contents(groups)
         groups = [group for group in groups if group[0] not in contents]
+        readings = [self._merged(groups)]
+        hazy = self._with_haze(groups)
+        if hazy != groups:
+            readings.append(self._merged(hazy))
+        best = min(readings, key=lambda reading: sum(self._candidate(group, reading).cost for group in reading))
+        result: list[Candidate] = []
+        for group in best:
+            inside = tuple(piece for piece, holder in contents.items() if holder in group)
+            result.append(self._candidate(group, best, inside))
+        return result
+
+    def _merged(self, groups: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+        """Merges the pair that saves most cost until no pair saves any."""
+        groups = list(groups)
         while len(groups) > 1:
             best: tuple[float, int, int] | None = None
             for i in range(len(groups)):
@@ -210,11 +230,33 @@ class Merger:
             _, i, j = best
             groups[i] = tuple(sorted(groups[i] + groups[j]))
             del groups[j]
-        result: list[Candidate] = []
-        for group in groups:
-            inside = tuple(piece for piece, holder in contents.items() if holder in group)
-            result.append(self._candidate(group, groups, inside))
-        return result
+        return groups
+
+    def _with_haze(self, groups: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+        """The groups with what may be the steep sides of glass joined to it.
+
+        On a side seen at a slant every pixel counts as an edge, so that nothing tells whether it is clear; its colour
+        resembles that of the glass, which is mostly the colour behind.
+        """
+        glass = [group for group in groups if self._blob(group).lost() > CLEAR_LOSS]
+        joined = {group: set(group) for group in glass}
+        taken: set[tuple[int, ...]] = set()
+        for _ in range(2):
+            for group in groups:
+                if group in glass or group in taken or not self._blob(group).all_edge():
+                    continue
+                for main in glass:
+                    near = any(
+                        (min(a, b), max(a, b)) in (self._look.pieces.links.keys() | self._hung)
+                        for a in group
+                        for b in joined[main]
+                    )
+                    if near and np.hypot(*(self._hue(group[0]) - self._hue(main[0]))[:2]) < HAZE_RADIUS:
+                        joined[main] |= set(group)
+                        taken.add(group)
+                        break
+        rest = [group for group in groups if group not in glass and group not in taken]
+        return sorted([*(tuple(sorted(pieces)) for pieces in joined.values()), *rest]) if taken else groups
 
     def _gain(self, groups: list[tuple[int, ...]], i: int, j: int) -> float:
         """Cost saved by merging two groups; negative if they do not touch."""
@@ -325,6 +367,8 @@ class Merger:
                 return other[0], float(np.partition(z, min(5, len(z) - 1))[min(5, len(z) - 1)]) - NESTED_BASE
             below = self._span(other)
             top = below.top
+            if top < THINNEST:
+                continue
             if below.from_top < HIDDEN and top < lowest < top + HIDDEN_TOP:
                 top = lowest - 0.001  # its own lowest points tell better where it stands
             if _gap(mine, below) < -0.006 and top < lowest + 0.010 and top > best[1]:

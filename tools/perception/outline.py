@@ -62,7 +62,7 @@ class Outline:
         k = int(np.argmin((width * np.roll(width, -quarter))[:quarter]))
         fine = _THETA[k] + np.deg2rad(np.arange(-2.0, 2.01, 0.25))
         turns = np.concatenate([fine, fine + np.pi / 2, fine + np.pi, fine - np.pi / 2])
-        reach = _reach_along(self.shell, turns).reshape(4, -1)
+        reach = _reach_along(self.shell, turns, SPARE).reshape(4, -1)
         best = int(np.argmin((reach[0] + reach[2]) * (reach[1] + reach[3])))
         theta = float(fine[best])
         high, left_side, low, right_side = reach[:, best]
@@ -75,10 +75,10 @@ class Outline:
         return centre, wrap_half_turn(theta), along, across
 
 
-def _reach_along(xy: Array, azimuths: Array) -> Array:
-    """Reach of points (N, 2) along azimuths (K,) [rad]: the SPARE-th farthest point's, against single noisy ones."""
+def _reach_along(xy: Array, azimuths: Array, spare: int) -> Array:
+    """Reach of points (N, 2) along azimuths (K,) [rad]: the `spare`-th farthest point's, against single noisy ones."""
     along = xy @ np.stack([np.cos(azimuths), np.sin(azimuths)])
-    spare = min(SPARE, len(xy))
+    spare = min(spare, len(xy))
     return np.partition(along, len(xy) - spare, axis=0)[len(xy) - spare]
 
 
@@ -88,12 +88,12 @@ def _shell(xy: Array) -> Array:
     return xy[(along > along.max(0) - np.float32(0.005)).any(axis=1)]
 
 
-def outline(xy: Array) -> Outline:
+def outline(xy: Array, spare: int = SPARE) -> Outline:
     """The outline of points (N, >= 2) seen from above [m]."""
     xy = xy[:, :2]
     origin = (xy.min(0) + xy.max(0)) / 2
     shell = _shell(xy - origin)
-    support = _reach_along(shell, _THETA)
+    support = _reach_along(shell, _THETA, spare)
     a = np.column_stack([_UNIT.T, np.ones(DIRECTIONS)])
     keep = np.ones(DIRECTIONS, bool)
     solution = np.zeros(3)

@@ -42,12 +42,12 @@ def find_parts(measured: Measured) -> tuple[Part, ...]:
 
 def _handle(m: Measured) -> list[Part]:
     """A loop handle: what sticks out of the round outline."""
-    if m.outline.bulge < LOOP_BULGE:
+    if m.bulge < LOOP_BULGE:
         return []
-    outward = np.array([np.cos(m.outline.bulge_azimuth), np.sin(m.outline.bulge_azimuth)])
+    outward = np.array([np.cos(m.bulge_azimuth), np.sin(m.bulge_azimuth)])
     side = m.blob.xyz[:, :2] - m.centre
     along, across = side @ outward, side @ np.array([-outward[1], outward[0]])
-    mine = (along > m.radius + 0.35 * m.outline.bulge) & (np.abs(across) < 0.6 * m.radius)
+    mine = (along > m.radius + 0.35 * m.bulge) & (np.abs(across) < 0.6 * m.radius)
     if mine.sum() < 12:
         return []
     low, high = np.quantile(across[mine], [0.04, 0.96])
@@ -55,7 +55,7 @@ def _handle(m: Measured) -> list[Part]:
     outward = outward * m.radius + np.array([-outward[1], outward[0]]) * shift * 0.7  # towards the bar's own middle
     outward /= np.linalg.norm(outward)
     width = float(np.clip(high - low, 0.004, 0.04))
-    reach = m.radius + m.outline.bulge - min(width, 0.010) / 2
+    reach = m.radius + m.bulge - min(width, 0.010) / 2
     z = m.blob.xyz[mine, 2]
     bottom, top = np.quantile(z, [0.02, 0.98])
     if np.sum(mine & ~m.blob.from_top) < 10:  # seen from above only: a loop is about as far from both ends

@@ -145,7 +145,7 @@ def shape_of(m: Measured) -> Shape:
             return "bowl"
         radii = m.profile[np.isfinite(m.profile)]
         straight = len(radii) > 0 and float(np.min(radii)) > 0.85 * m.radius
-        return "cylinder" if straight and m.hollow <= 0 and m.outline.bulge < 0.15 * m.radius else "compound"
+        return "cylinder" if straight and m.hollow <= 0 and m.bulge < 0.15 * m.radius else "compound"
     if height < 0.25 * shorter and height < 0.03:
         return "plate"
     if longer > 2.5 * shorter and height < 0.5 * longer:

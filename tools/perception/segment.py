@@ -98,6 +98,8 @@ def _glass(points: ObjectPoints, first: Index, second: Index) -> NDArray[np.bool
         amount = np.bincount(first, weights=trust[second], minlength=count)
         amount += np.bincount(second, weights=trust[first], minlength=count)
         reached = (trust == 0) & (amount > 0)
+        if not reached.any():
+            break
         value[reached] = total[reached] / amount[reached]
         trust[reached] = 0.5
     return value > GLASS

@@ -10,8 +10,8 @@ FULL_DEPTH = 0.845
 """A hollow whose floor lies less than this share of its room below the rim is filled (perception.md: empty vessels
 measured 0.88 and more, filled ones 0.81 and less)."""
 
-BUMPY = 0.006
-"""Deviation of the heights inside [m] above which the depth is not trusted alone."""
+FULL_STEMMED = 0.68
+"""The same for what stands on a stem, whose room is less well known: empty 0.85 and more, filled 0.6."""
 
 
 def state_of(
@@ -34,4 +34,4 @@ def state_of(
     stem = next((part for part in parts if part.region == "stem"), None)
     room = height if stem is None else measured.top - (stem.centre[2] + stem.length / 2)
     depth = measured.hollow * height / max(room, 1e-3)
-    return "filled" if contents_seen or depth < FULL_DEPTH else "empty"
+    return "filled" if contents_seen or depth < (FULL_DEPTH if stem is None else FULL_STEMMED) else "empty"

@@ -13,7 +13,7 @@ Image = NDArray[np.float32]
 STEP = 0.010
 """Range of depths in a pixel's neighbourhood from which it counts as an edge [m]; edges lose pixels too."""
 
-NEAR, WINDOW = 2, 4
+NEAR, WINDOW = 2, 3
 """Half-windows of the neighbourhood in which edges are looked for, and of the share that is lost [px]."""
 
 FEWEST = 6
@@ -21,14 +21,14 @@ FEWEST = 6
 
 
 def clear_share(raw: Image) -> Array:
-    """Share of unmeasured pixels (H, W) around each pixel, edges left aside; NaN where there are only edges."""
+    """Share of unmeasured pixels (H, W) around each pixel, edges left aside; NaN at edges."""
     measured = raw > 0
     low = _extreme(np.where(measured, raw, np.float32(np.inf)), np.minimum)
     high = _extreme(np.where(measured, raw, np.float32(0.0)), np.maximum)
     flat = (high - low < STEP) & (high > 0)
     total = box_sum(flat.astype(np.float32), WINDOW)
     lost = box_sum((flat & ~measured).astype(np.float32), WINDOW)
-    return np.where(total >= FEWEST, lost / np.maximum(total, 1.0), np.nan)
+    return np.where(flat & (total >= FEWEST), lost / np.maximum(total, 1.0), np.nan)
 
 
 def _extreme(image: Image, pick: np.ufunc) -> Image:
