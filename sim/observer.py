@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import json
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -28,7 +28,7 @@ from sim.verdict_constraints import Trial, measure, required_targets
 from sim.verdict_damage import damages
 from sim.verdict_events import WidthAt
 from sim.verdict_grip import Grip, grips
-from sim.verdict_place import in_bin
+from sim.verdict_place import LANE, in_bin, lane_centre
 from sim.world import World
 
 MEANT_DISTANCE = 0.10
@@ -143,6 +143,14 @@ class Observer:
         thing = next(thing for thing in self.placed.objects if thing.id == name)
         middle = point_in_world(self.poses()[name], (0.0, 0.0, thing.size[2] / 2))
         return in_bin(middle, self.placed, thing.size[2])
+
+    def in_lanes(self, order: Sequence[str]) -> bool:
+        """Whether these objects now stand on the table each in its sorting lane, the first one in the leftmost."""
+        poses = self.poses()
+        lanes = [poses[name][1] - lane_centre(number, len(order)) for number, name in enumerate(order)]
+        return all(
+            abs(offset) <= LANE / 2 and poses[name][2] > -0.01 for offset, name in zip(lanes, order, strict=True)
+        )
 
     def damaged(self) -> tuple[str, ...]:
         """Every object that came to harm in any motion so far."""

@@ -60,7 +60,7 @@ def placed_well(
         return float(np.linalg.norm(track.pose[-1, column, :2] - start[:2])) < RETURNED
     if kind == "lane" and placement is not None:
         number, count = placement.lane
-        return abs(last[1] - ((count - 1) / 2 - number) * LANE) <= LANE / 2
+        return abs(last[1] - lane_centre(number, count)) <= LANE / 2
     if kind in ("beside", "on"):
         return other is not None and _relative(grip, other, kind, getattr(placement, "relation", None))
     return True
@@ -73,6 +73,11 @@ def in_bin(point: Array, placed: PlacedScene, height: float) -> bool:
     low, high = np.asarray(placed.bin[0]), np.asarray(placed.bin[1])
     inside = bool((point[:2] > low[:2]).all() and (point[:2] < high[:2]).all())
     return inside and low[2] - 0.01 < point[2] < high[2] + height / 2
+
+
+def lane_centre(number: int, count: int) -> float:
+    """Middle of a sorting lane along y [m]; number 0 is the leftmost of `count`."""
+    return ((count - 1) / 2 - number) * LANE
 
 
 def _on_table(point: Array) -> bool:
