@@ -48,6 +48,8 @@ class Reference(Noun):
     """False: a noun outside our vocabulary ("teapot")."""
     colour: str | None = None
     material: str | None = None
+    shape: str | None = None
+    """"round", "flat": an adjective of `agent.language.lexicon.SHAPES`."""
     state: Literal["filled", "empty"] | None = None
     quality: Literal["big", "small", "tall", "short", "fragile", "heavy", "light"] | None = None
     """A gradable adjective that is not a superlative: settles between two candidates, never excludes a single one."""

@@ -33,6 +33,10 @@ LYING_ON = re.compile(
     r"\b(?:what|whatever|anything|everything|something|that which|the (?:thing|object|stuff))(?: that| which)?"
     r"(?: (?:is|lies|stands|sits|rests|are|was))(?: standing| lying| sitting| resting| placed)? (on|in|behind|under|near|next to|inside)\b"
 )
+IN_HAND = re.compile(
+    r"\b(?:everything|what|whatever|anything|the (?:thing|object|one))(?: that| which)? (?:you (?:are |now |currently )*(?:hold|holding|"
+    r"carry|carrying|have|gripping|grip)|(?:is )?in (?:your|the) (?:hand|gripper))(?: in (?:your|the) (?:hand|gripper))?(?: now)?\b"
+)
 LINE_UP = re.compile(r"\bline (?!up\b)(.+?) up\b")
 
 
@@ -43,6 +47,7 @@ def without_asides(line: str) -> str:
         line: cleaned and mended tokens joined by spaces.
     """
     line = LINE_UP.sub(r"line up \1", line)
+    line = IN_HAND.sub("it", line)
     line = LYING_ON.sub(r"the thing \1", line)
     found = TALK.match(line)
     if found and _commands(line[found.end() :]):

@@ -81,10 +81,11 @@ def split_clauses(tokens: list[str]) -> list[list[str]]:
             continue
         clauses[-1].append(tokens[i])
         i += 1
-    return [clause if index else _drop_first(clause) for index, clause in enumerate(c for c in clauses if c)]
+    kept = [clause for clause in clauses if clause]
+    return [clause if index and clause[0] == "first" else drop_first(clause) for index, clause in enumerate(kept)]
 
 
-def _drop_first(clause: list[str]) -> list[str]:
+def drop_first(clause: list[str]) -> list[str]:
     """Takes "first the cup" as the beginning of a sequence, not "the first cup"."""
     leading = ("first", "firstly", "secondly", "second", "third", "thirdly")
     if (

@@ -73,7 +73,7 @@ def split_relation(tokens: list[str]) -> tuple[list[str], RelationWord | None, l
                 continue
             if phrase in ("next", "at", "before") and rest[0] in ("one", "to"):
                 continue
-            bare = [t for t in rest if t not in ARTICLES]
+            bare = [t for t in rest if t not in (*ARTICLES, "to")]
             if bare and bare[0] in TABLE:  # "on the table" tells nothing
                 return split_relation(tokens[:start] + rest[rest.index(bare[0]) + 1 :])
             if bare and (bare[0] in lexicon.SIDES or bare[0] in lexicon.EXTREMES) and relation in ("on", "in", "near"):

@@ -77,6 +77,8 @@ UNSEEN_NOUNS = (
     "car", "dog", "cat", "elephant", "unicorn", "dragon", "person", "watch", "wallet", "coin", "pan", "pot", "towel",
     "bag", "plant", "flower", "bulb", "sponge", "notebook", "charger", "cable", "camera", "clock", "comb", "doll",
     "guitar", "pillow", "ruler", "stapler", "tape", "toothbrush", "umbrella", "pizza", "cake", "sandwich", "cookie",
+    "bell", "belt", "bill", "bull", "bean", "bead", "bolt", "card", "cart", "cord", "corn", "crab", "coat", "peg", "mask", "vest",
+    "pill", "petal", "cable", "glove", "cloth", "blanket", "bowtie", "applesauce", "tennis racket", "racket", "mirror",
     "bread", "chair", "window", "door", "wall", "moon", "tower", "car key", "tomato", "potato", "carrot", "peach", "melon",
     "spatula", "ladle", "pliers", "screw", "nail", "teddy bear", "teddy", "plush", "figurine", "saucer", "tumbler",
 )  # fmt: skip
@@ -112,8 +114,17 @@ MATERIALS: dict[str, str] = {
     "glass": "glass", "plastic": "plastic", "wooden": "wood", "wood": "wood", "metal": "metal", "metallic": "metal",
     "steel": "metal", "iron": "metal", "aluminium": "metal", "aluminum": "metal", "ceramic": "ceramic",
     "porcelain": "ceramic", "china": "ceramic", "clay": "ceramic", "fabric": "fabric", "cloth": "fabric", "felt": "fabric",
-    "paper": "paper", "cardboard": "paper", "foam": "foam", "organic": "organic", "edible": "organic",
+    "paper": "paper", "cardboard": "paper", "foam": "foam", "organic": "organic", "edible": "organic", "transparent": "glass", "see-through": "glass", "crystal": "glass",
 }  # fmt: skip
+
+SHAPES: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("round", "spherical"), ("sphere", "cylinder", "bowl")),
+    **dict.fromkeys(("flat",), ("plate",)),
+    **dict.fromkeys(("square", "cubic", "rectangular", "boxy"), ("box",)),
+    **dict.fromkeys(("cylindrical",), ("cylinder",)),
+    **dict.fromkeys(("elongated", "slim", "stick-like"), ("bar",)),
+}
+"""Adjective -> geometric families of `kb.percept.Shape` that it fits."""
 
 QUALITIES: dict[str, str] = {
     **dict.fromkeys(("big", "large", "huge", "bigger", "larger"), "big"),
@@ -236,7 +247,8 @@ FILLERS = (
 """Words and phrases that change nothing; taken away at the ends of a clause."""
 
 OPENERS = (
-    "could you please", "can you please", "would you please", "could you", "can you", "would you mind", "would you kindly",
+    "would you be so kind as to", "be so kind as to", "would you be so kind and", "would you mind", "do you mind", "can i ask you to",
+    "could you please", "can you please", "would you please", "could you", "can you", "would you kindly",
     "would you", "will you", "i want you to", "i would like you to", "i need you to", "i want to see you", "you should",
     "you can", "you may", "you must", "let us", "let me see you", "try to", "please try to", "go and", "go ahead and",
     "i wish you would", "i am asking you to", "your task is to", "your job is to", "the task is to", "make sure to",

@@ -6,7 +6,8 @@ import re
 
 from agent.goal import Goal, Measure, Placement, Reference
 from agent.language import lexicon
-from agent.language.clauses import HAND_ME, find_verb
+from agent.language.clauses import HAND_ME, drop_first, find_verb
+from agent.language.cut_phrase import TABLE
 from agent.language.read_place import read_place
 from agent.language.read_reference import is_reference, read_reference
 from agent.language.words import mend
@@ -32,6 +33,7 @@ EVERYTHING_AWAY = re.compile(
     r"(?P<where> (?:away|out|off|up|(?:off|from) the table|(?:in|into|to|inside) (?:the |a )?(?:bin|trash(?: can)?|basket|garbage|"
     r"rubbish(?: bin)?|tray|dustbin)))*(?P<rest> (?:except|but|apart from|other than|without) .*)?$"
 )
+TAKING = re.compile(r"^(?:pick|take|get(?! rid)|collect)\b")
 SORTED_BY = re.compile(
     r"\b(?:by|according to|based on|after|in order of|in terms of|with respect to|how|from|on)\s+(?P<how>.+)$"
 )
@@ -100,7 +102,7 @@ def _whole_table(line: str) -> list[Goal] | None:
         found = regex.match(line)
         if not found:
             continue
-        if regex is EVERYTHING_AWAY and line.split()[0] in ("pick", "take", "get", "collect") and not found["where"]:
+        if regex is EVERYTHING_AWAY and TAKING.match(line) and not found["where"]:
             return None
         spared = (found["rest"] or "").split()
         what = (found.groupdict().get("what") or "everything").split()
@@ -162,7 +164,12 @@ def _without_grip(tokens: list[str]) -> list[str]:
 
 
 def _place(rest: list[str], default: Placement | None) -> list[Goal] | str:
-    rest = [t for t in rest if t not in ("away", "down", "aside", "off", "out")] if default is not None else rest
+    for i, token in enumerate(rest):  # "the cup on the left and the apple on the right"
+        if token == "and" and _has_place(rest[:i]) and _has_place(rest[i + 1 :]):
+            first, second = _place(rest[:i], default), _place(rest[i + 1 :], default)
+            return first if isinstance(first, str) else second if isinstance(second, str) else [*first, *second]
+    if default is not None and " ".join(rest).find("away from") < 0:
+        rest = [t for t in rest if t not in ("away", "down", "aside", "off", "out")]
     thing, placement = read_place(rest)
     placement = placement or default
     if placement is None:
@@ -170,6 +177,11 @@ def _place(rest: list[str], default: Placement | None) -> list[Goal] | str:
     if not thing:
         thing = ["it"]
     return _each(thing, "place", placement)
+
+
+def _has_place(tokens: list[str]) -> bool:
+    thing, placement = read_place(tokens)
+    return bool(thing) and placement is not None and placement.kind in ("bin", "side", "aside", "hand_over")
 
 
 def _discard(rest: list[str]) -> list[Goal] | str:
@@ -209,7 +221,7 @@ def _verbless_thing(clause: list[str]) -> list[Goal] | str:
 def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: bool = False) -> list[Goal] | str:
     """One goal per thing of an enumeration ("the cup, the apple and the ball")."""
     goals: list[Goal] = []
-    for part in _enumeration(tokens):
+    for part in map(drop_first, _enumeration(tokens)):
         reading = read_reference(part)
         if reading.contradiction:
             return f"That contradicts itself: {reading.contradiction}."
@@ -228,7 +240,7 @@ def _readable(unknown: list[str], found: dict[str, object], strict: bool) -> boo
     """An unknown adjective before a known noun may pass; more than one, or where no verb was said, may not."""
     if not unknown:
         return True
-    return not strict and len(unknown) == 1 and bool(found.get("noun"))
+    return not strict and len(unknown) == 1 and unknown[0] not in TABLE and bool(found.get("noun"))
 
 
 def _enumeration(tokens: list[str]) -> list[list[str]]:

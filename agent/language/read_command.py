@@ -14,6 +14,7 @@ from agent.language import lexicon
 from agent.language.asides import without_asides
 from agent.language.clauses import NOT_DO, find_verb, split_clauses, strip_opener, trim
 from agent.language.read_clause import CANNOT_READ, read_clause
+from agent.language.read_place import read_place
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
 from agent.language.refusals import refuse
@@ -26,6 +27,14 @@ GERUNDS = {
     "throwing": "throw", "dropping": "drop", "setting": "set", "tidying": "tidy", "cleaning": "clean", "ordering": "order",
     "arranging": "arrange", "raising": "raise", "collecting": "collect",
 }  # fmt: skip
+OR = re.compile(r"\b(?:either|or)\b")
+NO_OP = re.compile(
+    r"^(?:go|come|drive|move|return)(?: back)?(?: to)?(?: (?:home|your (?:home|start) ?(?:position|pose)?|back|rest))+$"
+)
+THEM = ("them", "these", "those", "them all", "all of them")
+CORRECTED = re.compile(
+    r"(?:the|a|an) [a-z ]+? ,? ?(?:no|sorry|i mean|rather|actually|wait|oops)(?: ,)?(?: i mean)?(?: ,)? (?=(?:the|a|an) )"
+)
 LEAVE_ALONE = re.compile(
     r"^(?:leave|keep) (?P<what>.+?) (?:alone|as (?:it|they) (?:is|are)|untouched|where (?:it|they) (?:is|are)|there|in place)$"
 )
@@ -52,11 +61,13 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
     refusal = refuse(line)
     if refusal is not None:
         return Understanding(refusal=refusal)
+    if OR.search(line) and find_verb(strip_opener(tokens)) is not None:
+        return Understanding(question=f"One thing or the other: {line}? Please tell me which.")
     if pending is not None:
         completed = _complete(tokens, pending)
         if completed is not None:
             return completed
-    return _commands(trim(without_asides(" ".join(strip_opener(tokens))).split()))
+    return _commands(trim(without_asides(CORRECTED.sub("", " ".join(strip_opener(tokens)))).split()))
 
 
 def _complete(tokens: list[str], pending: Goal) -> Understanding | None:
@@ -95,6 +106,13 @@ def _commands(tokens: list[str]) -> Understanding:
         if negative:
             forbidden += _forbidden(negative)
             continue
+        if clause[0] in ("leave", "keep", "spare", "skip") and _stays(clause[1:]):
+            reading = read_reference(_stays(clause[1:]))
+            if is_reference(reading) and not reading.contradiction:
+                forbidden.append(Reference(**reading.found))
+                continue
+        if NO_OP.match(line) and len(clauses) > 1:
+            continue
         asked = read_question(line)
         if isinstance(asked, Goal):
             if asked.query != "stop":
@@ -110,6 +128,12 @@ def _commands(tokens: list[str]) -> Understanding:
     if len(clauses) > 1:  # "first the cup, then the apple": an order of things says that they are to be taken
         goals = [g if g.moves or g.query else g.model_copy(update={"kind": "pick"}) for g in goals]
     return _fit(goals, forbidden)
+
+
+def _stays(tokens: list[str]) -> list[str]:
+    """The thing of "leave the glass (on the table)", empty where another destination is said."""
+    thing, placement = read_place(tokens)
+    return thing if placement is None or placement.kind == "aside" else []
 
 
 def _forbidden(found: re.Match[str]) -> list[Reference]:
@@ -147,6 +171,14 @@ def _without_repeats(goals: list[Goal]) -> list[Goal]:
     kept: list[Goal] = []
     for goal in goals:
         reference = goal.reference
+        if reference is not None and reference.words in THEM and goal.kind == "place" and kept:
+            kept = [
+                g.model_copy(update={"kind": "place", "placement": goal.placement})
+                if g.kind == "pick" and g.placement is None
+                else g
+                for g in kept
+            ]
+            continue
         again = bool(kept) and reference is not None and reference.pronoun and kept[-1].moves
         if again and goal.kind == "pick" and goal.placement is None and kept[-1].kind == "pick":
             continue

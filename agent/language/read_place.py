@@ -38,6 +38,8 @@ def read_place(tokens: list[str]) -> tuple[list[str], Placement | None]:
     """
     for start in range(1, len(tokens)):
         placement = _fixed(" ".join(tokens[start:]))
+        if placement is not None and tokens[start - 1] in ("closest", "nearest", "close", "near", "next"):
+            continue  # "the cup closest to me" is a thing, not a destination
         if placement is not None:
             return _without_comma(tokens[:start]), placement
     best: tuple[list[str], Placement | None] = (tokens, None)

@@ -50,7 +50,7 @@ PATTERNS: tuple[Pattern, ...] = (
         "what_if",
         r"(?:and )?what (?:would|will|could|might) (?:have )?(?:happen(?:ed)?|be(?:en)?) (?:if|with|at|for|using)\b.*",
         r"(?:and )?(?:what|how) about (?:with |using )?\d+(?:\.\d+)? n(?:ewtons?)?(?: instead)?",
-        r"(?:and )?what if\b.*", r"(?:and )?(?:with|using|at) \d+(?:\.\d+)? n(?:ewtons?)?(?: instead| then)?",
+        r"(?:and )?what if\b.*", r"(?:and )?what happens (?:if|with|at|for)\b.*\d.*", r"(?:and )?(?:with|using|at) \d+(?:\.\d+)? n(?:ewtons?)?(?: instead| then)?",
         r"(?:would|will|could) (?:it|that|this|\d).*\b(?:work|hold|succeed|slip|fail|drop|break|enough).*\bn(?:ewtons?)?\b.*",
         r"would \d+(?:\.\d+)? n(?:ewtons?)? .*", r"simulate .*\d+(?:\.\d+)? n(?:ewtons?)?.*",
         r"suppose (?:you|it|that|we)\b.*", r"imagine (?:you|it|that|we)\b.*",
@@ -60,7 +60,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"(?:so )?why (?:did|has) (?:it|that|this|you|the .*?|they) (?:just )?(?:fail|drop|slip|miss|lose|fall|crash|break|stop|"
         r"not|abort|give up|let go|failed|dropped|slipped)\b.*",
         r"why (?:did|could|can|were|was|would) (?:it|you|that|the .*?|they) not\b.*", r"what (?:went|has gone|is) wrong(?: there)?",
-        r"why not", r"what was the (?:problem|failure|reason(?: for (?:the|that|this) failure)?|matter|issue)",
+        r"why (?:did|could|would|can|were|do|does|is|was|will) not (?:you|it|that|they|the [a-z]+)\b.*", r"why not(?: .*)?", r"what was the (?:problem|failure|reason(?: for (?:the|that|this) failure)?|matter|issue)",
         r"what happened(?: there| just now)?", r"how did (?:it|that|you) fail", r"explain (?:the|that|this|your) failure",
         r"why (?:is|was) (?:it|that) (?:a failure|not successful|unsuccessful|not working)", r"what failed",
         r"why the failure", r"why no success", r"why have you (?:failed|dropped|stopped).*",
@@ -73,7 +73,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"explain (?:your|the|that|this|why|how)\b.*", r"why \d+(?:\.\d+)? (?:n|newtons?)\b.*", r"why", r"how come", r"justify\b.*", r"what made you\b.*",
         r"how did you (?:decide|choose|know|plan|pick|select|grasp|grip|find|come)\b.*", r"on what basis\b.*",
         r"(?:what|where) (?:did|does|do) (?:you|the|that|this) .*(?:force|number|value|grasp) come from.*",
-        r"what was your (?:reasoning|plan|strategy|thinking)", r"tell me why\b.*", r"where does (?:the|that) .* come from",
+        r"what (?:is|was) your (?:reasoning|plan|strategy|thinking)", r"tell me why\b.*", r"where does (?:the|that) .* come from",
     ),
     _pattern(
         "held", r"what (?:are|were) you (?:holding|carrying|gripping)(?: now| right now)?",
@@ -122,6 +122,10 @@ PROPERTIES = re.compile(
 WHICH = re.compile(
     r"^(?:which|what) (?P<noun>.+?) (?:is|are|looks|weighs|has|stands|lies) (?:the )?(?P<adjective>[a-z ]+)$"
 )
+COMPARED: dict[str | None, str] = {
+    "big": "biggest", "small": "smallest", "tall": "tallest", "short": "shortest", "heavy": "heaviest", "light": "lightest",
+    "fragile": "most_fragile",
+}  # fmt: skip
 COUNT_UP = re.compile(r"^count (?:all )?(?P<what>.+?)(?: on the table| please| for me)*$")
 COUNT = re.compile(r"^how many (?P<what>.+?)(?: (?:are|do|can|is|have)\b.*| on the table.*| there.*| you see.*)?$")
 UNDO = re.compile(
@@ -155,6 +159,9 @@ def read_question(text: str) -> Goal | str | None:
     found = WHICH.match(text)
     if found:
         reading = read_reference(["the", *found["adjective"].split(), *found["noun"].split()])
+        quality = reading.found.pop("quality", None)
+        if quality in COMPARED:
+            reading.found["extreme"] = COMPARED[quality]
         if is_reference(reading) and not reading.unknown and not reading.contradiction and reading.found.get("extreme"):
             return Goal(kind="look", query="where", reference=Reference(**reading.found))
     for regex, query in _ABOUT:
@@ -188,6 +195,8 @@ def _undo(found: re.Match[str]) -> Goal | None:
 def _about(found: re.Match[str], query: Query) -> Goal | None:
     groups = found.groupdict()
     what = groups.get("what") or found[1]
+    if what.startswith(("your ", "you ")):
+        return None
     reading = read_reference(what.split())
     if reading.unknown or reading.contradiction or not is_reference(reading):
         return None

@@ -15,6 +15,23 @@ PRONOUNS = ("it", "that", "this", "them", "him", "these", "those", "that one", "
 CLAUSE_WORDS = ("that", "which", "who", "is", "are", "was", "were", "standing", "lying", "sitting", "placed", "located",
                 "you", "see", "can", "there", "currently", "situated", "here")  # fmt: skip
 STATES = {"filled": "filled", "full": "filled", "empty": "empty"}
+QUESTION_WORDS = (
+    "what",
+    "who",
+    "how",
+    "when",
+    "which",
+    "why",
+    "where",
+    "whose",
+    "is",
+    "are",
+    "do",
+    "does",
+    "did",
+    "can",
+    "will",
+)
 UNITS = (
     "kg",
     "kilo",
@@ -76,7 +93,20 @@ def is_reference(reading: Reading) -> bool:
     """Whether something that can be looked for was said at all."""
     if reading.found.get("count") and not reading.found.get("noun"):
         return False
-    keys = ("noun", "colour", "material", "extreme", "ordinal", "pronoun", "other", "plural", "side", "quality", "ids")
+    keys = (
+        "noun",
+        "colour",
+        "material",
+        "shape",
+        "extreme",
+        "ordinal",
+        "pronoun",
+        "other",
+        "plural",
+        "side",
+        "quality",
+        "ids",
+    )
     return any(reading.found.get(key) for key in keys)
 
 
@@ -196,6 +226,9 @@ def _read_adjective(tokens: list[str], i: int, reading: Reading) -> int:
     if token in lexicon.QUALITIES:
         _set(reading, "quality", lexicon.QUALITIES[token])
         return 1
+    if token in lexicon.SHAPES:
+        _set(reading, "shape", token)
+        return 1
     if token in STATES:
         _set(reading, "state", STATES[token])
         return 1
@@ -259,7 +292,7 @@ def _take_unknown_noun(tokens: list[str], reading: Reading) -> None:
     """A word we don't know in the place of the head noun ("the gizmo") is a noun that we don't know."""
     determined = any(t in (*ARTICLES, *INDEFINITE) for t in tokens) or reading.found
     last = reading.unknown[-1]
-    if determined and last.isalpha() and len(last) > 2:
+    if determined and last.isalpha() and len(last) > 2 and last not in QUESTION_WORDS:
         reading.found.update(noun=singular(last), categories=(), known=False)
         reading.unknown = reading.unknown[:-1]
 

@@ -12,7 +12,7 @@ MAX_PAYLOAD = 3.0
 TWO_ARMS = re.compile(
     r"\b(?:both|two|2|three|your other) (?:of your )?(?:hands|arms|grippers|robots|arm|hand)\b|\bbimanual|\bother (?:arm|hand|gripper)\b|"
     r"\b(?:at the same time|simultaneously|at once|in parallel)\b.*\b(?:and|both|two)\b|\b(?:and|both|two)\b.*"
-    r"\b(?:at the same time|simultaneously|at once|in parallel)\b|\btwo at a time\b|\bsecond arm\b"
+    r"\b(?:at the same time|simultaneously|at once|in parallel)\b|\btwo at a time\b|\bsecond arm\b|\bleft (?:hand|arm)\b.*\bright (?:hand|arm)\b|\bright (?:hand|arm)\b.*\bleft (?:hand|arm)\b"
 )
 WEIGHT = re.compile(r"(\d+(?:\.\d+)?)\s*(kg|kilo(?:gram)?s?|kilograms?|tons?|tonnes?|lbs?|pounds?|g|grams?)\b")
 TO_KG = {"k": 1.0, "t": 1000.0, "l": 0.4536, "p": 0.4536, "g": 0.001}
@@ -26,6 +26,11 @@ UNABLE = re.compile(
     + r")\b (?P<rest>.+)$"
 )
 HAND_OPEN = re.compile(r"^open (?:your|the) (?:hand|gripper|fingers)$")
+NOT_THINGS = re.compile(
+    r"\b(?:pick up|pick|take|grab|grasp|lift|hold|get|fetch|give|hand|pass|bring|put|place|move|throw|drop|raise)\b(?: me)? "
+    r"(?:up |away )?(?:yourself|myself|me$|your (?:own )?(?:arm|hand|gripper|head|body|base|finger|fingers|camera)|"
+    r"the (?:robot|table|desk|floor|ceiling|wall|bin|camera|room|house|world|moonlight))(?: up| away| .*)?$"
+)
 OFF_TABLE = re.compile(
     r"\b(?:on|onto|off|to|over|from) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa)\b"
 )
@@ -50,6 +55,8 @@ def refuse(line: str) -> str | None:
         return (
             f"I cannot {found['verb']} things. I can pick them up, hand them over, put them somewhere, clear and sort."
         )
+    if NOT_THINGS.search(line):
+        return "I can only move loose things that stand on the table."
     if OFF_TABLE.search(line):
         return "I only reach the table and the bin beside it, so I cannot put anything there."
     return None

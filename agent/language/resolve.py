@@ -65,7 +65,7 @@ def resolve(reference: Reference, scope: Scope) -> Resolution:
     found, note = _by_noun(reference, scope)
     if not found:
         return Resolution(problem=absent(reference, scope.objects))
-    for keep in (_colour, _material, _state, _excluding, _other):
+    for keep in (_colour, _material, _shape, _state, _excluding, _other):
         found = keep(reference, found, scope)
         if not found:
             return Resolution(problem=absent(reference, scope.objects))
@@ -169,6 +169,15 @@ def _material(reference: Reference, found: list[PerceivedObject], scope: Scope) 
     ]
     named = bool(reference.categories)
     return made or (found if named and len(found) == 1 else [])
+
+
+def _shape(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
+    """Shape chooses between things; a single thing called by its name passes, for its name says more."""
+    del scope
+    if reference.shape is None:
+        return found
+    fits = [o for o in found if o.shape in lexicon.SHAPES[reference.shape]]
+    return fits or (found if reference.categories and len(found) == 1 else [])
 
 
 def _state(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:

@@ -16,6 +16,7 @@ CONTRACTIONS: tuple[tuple[str, str], ...] = (
     (r"\bgimme\b", "give me"), (r"\bpickup\b", "pick up"), (r"\bwanna\b", "want to"), (r"\bgotta\b", "have to"),
     (r"\blemme\b", "let me"), (r"\bgonna\b", "going to"), (r"\bill\b", "i will"), (r"\bur\b", "your"), (r"\bu\b", "you"),
     (r"\b(teh|hte|th)\b", "the"), (r"\band than\b", "and then"),
+    (r"\bwere (is|are)\b", r"where \1"), (r"\bpik\b", "pick"), (r"\bsee through\b", "see-through"),
 )  # fmt: skip
 
 IRREGULAR = {
@@ -47,6 +48,9 @@ COMMON = (
     "love life word world work time light right night house horse mouse head foot feet face voice note wind want wish poem "
     "story joke song weather today tomorrow yesterday capital france president number question answer python code run file "
     "ignore previous instructions system prompt delete print exec import shell root password reveal pretend meaning god "
+    "went gone came come goes gave given took taken held kept fell broke felt knew made makes told said asked wanted liked "
+    "tried used looked worked seemed maybe perhaps really quite rather somehow actually sorry mean meant reasoning strategy "
+    "enough newton plus minus times already still ever just being having doing getting going anyone everyone someone "
     "touch avoid protect mind leave keep spill break careful nothing nobody nowhere anywhere somewhere somebody"
 ).split()
 """Ordinary English words that are never taken for typos of something else."""
@@ -61,7 +65,7 @@ def clean(text: str) -> str:
     plain = re.sub(r"(\d)[,.](\d)", r"\1#\2", plain)
     plain = re.sub(r"[!?:\n]+|\.{1,}", " . ", plain)
     plain = re.sub(r"([,;])", r" \1 ", plain)
-    plain = re.sub(r"[\"'`*_()\[\]{}<>/\\|~^=+&%$@-]", " ", plain)
+    plain = re.sub(r"(?<!see)-|[\"'`*_()\[\]{}<>/\\|~^=+&%$@]", " ", plain)
     plain = re.sub(r"(\d)\s*(kg|n|g)\b", r"\1 \2", plain.replace("#", "."))
     plain = re.sub(r"(?<!\d)\.(?!\d)", " . ", plain)
     return " ".join(plain.split())
@@ -108,20 +112,22 @@ def mend(token: str) -> str:
     if not token.isalpha() or len(token) < 4 or token in vocabulary() or singular(token) in vocabulary():
         return token
     limit = 2 if len(token) >= 8 else 1
-    best: dict[int, set[str]] = {}
+    best: dict[int, dict[str, str]] = {}
     for word in vocabulary():
-        if abs(len(word) - len(token)) > limit or len(word) < 3 or (word[0] != token[0] and word[:2] != token[1::-1]):
+        if abs(len(word) - len(token)) > limit + 1 or len(word) < 3:
             continue
-        for form in (word, word + "s"):
+        if word[0] != token[0] and word[:2] != token[1::-1]:
+            continue
+        for form in (word, word + "s") if word in _CONTENT else (word,):
             distance = edits(token, form, limit)
             if distance <= limit:
-                best.setdefault(distance, set()).add(form)
+                best.setdefault(distance, {}).setdefault(word, form)
     if not best:
         return token
     nearest = best[min(best)]
     if len(nearest) > 1:
-        nearest = {word for word in nearest if word in _CONTENT} or nearest
-    return nearest.pop() if len(nearest) == 1 else token
+        nearest = {word: form for word, form in nearest.items() if word in _CONTENT} or nearest
+    return next(iter(nearest.values())) if len(nearest) == 1 else token
 
 
 _CONTENT = frozenset(
