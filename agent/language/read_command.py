@@ -27,7 +27,7 @@ GERUNDS = {
     "throwing": "throw", "dropping": "drop", "setting": "set", "tidying": "tidy", "cleaning": "clean", "ordering": "order",
     "arranging": "arrange", "raising": "raise", "collecting": "collect",
 }  # fmt: skip
-OR = re.compile(r"\b(?:either|or)\b")
+OR = re.compile(r"\bor\b")
 NO_OP = re.compile(
     r"^(?:go|come|drive|move|return)(?: back)?(?: to)?(?: (?:home|your (?:home|start) ?(?:position|pose)?|back|rest))+$"
 )
