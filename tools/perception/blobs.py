@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tools.perception.blob import Blob
 from tools.perception.calibrate_view import CalibratedView
-from tools.perception.measure import Blob
 from tools.perception.object_points import LOWEST, ObjectPoints
 from tools.perception.segment import Pieces
 

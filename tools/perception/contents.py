@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tools.perception.measure import Blob, Measured
+from tools.perception.blob import Blob
+from tools.perception.measure import Measured
 
 
 def is_inside(blob: Blob, holder: Measured) -> bool:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tools.perception.measure import LEVELS, STATIONS, Measured
+from tools.perception.measure import Measured
+from tools.perception.sections import LEVELS, STATIONS
 from tools.perception.segment import chromaticity
 
 Array = NDArray[np.float64]

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from kb.base import Vec3
 from kb.percept import Part
-from tools.perception.measure import LEVELS, STATIONS, Measured
+from tools.perception.measure import Measured
+from tools.perception.sections import LEVELS, STATIONS
 
 Array = NDArray[np.float64]
 

@@ -18,9 +18,10 @@ from kb.rgbd import RgbdView
 from kb.vocabulary import UNKNOWN_CATEGORY, PerceptionName
 from tools.perceive import PerceiveArgs
 from tools.perception.affordance_of_unknown import affordance_of_unknown
+from tools.perception.blob import CLEAR_LOSS, Blob
 from tools.perception.colour import colour_name, mean_colour
 from tools.perception.look import Look, take_apart
-from tools.perception.measure import CLEAR_LOSS, Blob, Measured
+from tools.perception.measure import Measured
 from tools.perception.merge import Candidate, Merger
 from tools.perception.parts import find_parts
 from tools.perception.state import state_of

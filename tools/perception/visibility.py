@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tools.perception.calibrate_view import CalibratedView
-from tools.perception.measure import LEVELS, Measured
+from tools.perception.measure import Measured
+from tools.perception.sections import LEVELS
 
 Array = NDArray[np.float64]
 

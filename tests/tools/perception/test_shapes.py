@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from tools.perception.connected import connected
 from tools.perception.filter_depth import box_sum, median_depth
-from tools.perception.measure import ranks_by_group
 from tools.perception.outline import outline
+from tools.perception.sections import ranks_by_group
 from tools.perception.sphere import fit_sphere
 from tools.perception.upright_box import box_at, smallest_yaw, wrap_half_turn
 
