@@ -53,7 +53,9 @@ class Search:
     """Refuse arm postures that are near a singularity."""
     rejected: dict[str, int] = field(default_factory=dict[str, int])
     alternatives: list[tuple[Ranked, Posture]] = field(default_factory=list[tuple[Ranked, Posture]])
-    measured: dict[tuple[object, ...], tuple[float, float, float]] = field(default_factory=dict)
+    measured: dict[tuple[object, ...], tuple[float, float, float]] = field(
+        default_factory=dict[tuple[object, ...], tuple[float, float, float]]
+    )
     """Pose -> clearance, opening, and the clearance that was asked for then (a smaller one is only a bound) [m]."""
     unreachable: set[str] = field(default_factory=set[str])
 
