@@ -9,7 +9,7 @@ import numpy as np
 from kb.grasp import Grasp
 from sim.motion import Obstacle, plan_transit
 from sim.reach import Reach, Unreachable, solve_reaches
-from sim.shake import ANGLE, rocked_configurations
+from sim.shake import ANGLE, KNOTS, rocked_configurations
 from tools.planning.arm_clearance import arm_clearance
 from tools.planning.candidate import Array
 
@@ -17,13 +17,13 @@ ARM_CLEARANCE = 0.004
 """Distance that the arm's links keep from everything perceived [m]."""
 OPTIONS = 3
 """Arm postures looked at for one grasp."""
-CALM = 1.1
+CALM = 0.85
 """Largest swing of a joint while the wrist turns by +-15 degrees [rad]; beyond it the arm is near a singularity, and what
-it holds is thrown about (measured: 1.6 rad lost a screwdriver at any force, ordinary postures need 0.5 to 0.9)."""
+it holds is thrown about (measured: a screwdriver is lost from 0.98 rad on at any force, most postures need 0.3 to 0.7)."""
 
-FOLDED = -2.80
-"""Fourth joint angle below which the elbow is so folded that the forearm meets the shoulder [rad] (measured: contact at
--2.93)."""
+FOLDED = -2.65
+"""Fourth joint angle below which the elbow is so folded that the forearm may meet the shoulder on the way [rad]
+(measured: contact at -2.90)."""
 
 Posture = tuple[float, ...]
 
@@ -67,5 +67,5 @@ def is_calm(reach: Reach) -> bool:
     """Whether the elbow stays open and the shake at the top of the lift moves no joint by more than `CALM`."""
     if min(float(reach.approach[:, 3].min()), float(reach.lift[:, 3].min())) < FOLDED:
         return False
-    rocked = rocked_configurations(reach.lift[-1], np.linspace(-ANGLE, ANGLE, 5))
+    rocked = rocked_configurations(reach.lift[-1], np.linspace(-ANGLE, ANGLE, KNOTS))
     return rocked is None or float(np.ptp(rocked, axis=0).max()) <= CALM
