@@ -26,7 +26,7 @@ def test_every_task_has_an_environment() -> None:
 
 
 def test_environment_follows_the_interface() -> None:
-    """gymnasium's own checker finds nothing wrong: spaces, determinism by seed, types of what is returned."""
+    """Gymnasium's own checker finds nothing wrong: spaces, determinism by seed, types of what is returned."""
     from gymnasium.utils.env_checker import check_env
 
     env = gymnasium.make("AgenticRagVlm/CupNearVase-v0", render_mode="rgb_array", evaluator="analytic").unwrapped
