@@ -190,13 +190,13 @@ def plan(state: State, runtime: Run) -> Update:
 
 
 def look_once_more(state: State, runtime: Run) -> Update:
-    """No grasp was found: the next picture may show more."""
+    """No grasp was found: the next picture may show more, and a correction that leaves nothing is dropped."""
     runtime.context.emit(
         events.Thought(
             text=f"{phrases.sentence(state.plan_reason)} I look again.", goal=state.current, level=state.level
         )
     )
-    return Update(relooks=state.relooks + 1, stale=True)
+    return Update(relooks=state.relooks + 1, stale=True, correction=None)
 
 
 def think(state: State, runtime: Run) -> Update:
