@@ -21,9 +21,11 @@ from sim.quality import THRESHOLDS, TYPE_MATCH, minimum_force
 from tools.context import ToolContext
 
 MOVED_PLACES: frozenset[FailureType] = frozenset(
-    {"COLLISION", "APPROACH_ANGLE", "ORIENTATION", "UNREACHABLE_POSE", "CONSTRAINT_VIOLATION", "WIDTH_MISMATCH"}
+    {"COLLISION", "APPROACH_ANGLE", "ORIENTATION", "UNREACHABLE_POSE", "CONSTRAINT_VIOLATION"}
 )
 """Failures that say the place was wrong, so that the same candidate isn't tried again."""
+LEARNT_MARGIN = 1.1
+"""Distance kept from forces that are known to fail, as a factor."""
 SQUEEZED_OUT = 0.6
 """Share of the local width below which the fingers closed on little or nothing after having met the object."""
 
@@ -37,6 +39,8 @@ class CorrectArgs(Noun):
     plan: Plan
     """The plan that failed."""
     evidence: Evidence
+    affordance: AffordanceType | None = None
+    """Of the target as perceived: types that don't fit it are skipped."""
     retrieval: Retrieval | None = None
     constraints: Constraints = Field(default_factory=Constraints)
     history: tuple[Any, ...] = ()
@@ -84,7 +88,9 @@ def _tune(args: CorrectArgs) -> Correction:
         elif action == "next_experience":
             exclude = (*exclude, *used_experiences(args.plan))
         elif action == "other_region_if_fully_open" and grasp.aperture >= MAX_APERTURE - 1e-6:
+            # Nothing is gained by opening wider than the hand can: another place must do.
             changes.pop("aperture", None)
+            exclude = (*exclude, args.plan.candidate)
     if args.failure == "COLLISION":
         margin = 1.5
     return _tidy(args, Correction(
@@ -115,10 +121,10 @@ def _rotate_type(args: CorrectArgs) -> Correction:
 
 
 def _fits(type_: GraspType, args: CorrectArgs) -> bool:
-    kinds: list[AffordanceType] = (
-        [item.experience.affordance.type for item in args.retrieval.top] if args.retrieval else []
-    )
-    return not kinds or TYPE_MATCH[kinds[0]][type_] >= THRESHOLDS[3]
+    kind = args.affordance
+    if kind is None and args.retrieval is not None and args.retrieval.top:
+        kind = args.retrieval.top[0].experience.affordance.type
+    return kind is None or TYPE_MATCH[kind][type_] >= THRESHOLDS[3]
 
 
 def _replan(args: CorrectArgs, context: ToolContext) -> Correction:
@@ -148,11 +154,33 @@ def _all_excluded(args: CorrectArgs, more: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*more, *earlier)))
 
 
+def known_bounds(args: CorrectArgs) -> tuple[float, float]:
+    """Forces between which the retrieved experiences leave room [N]: above what slipped, below what broke.
+
+    Only failures of the same region count; they are the contrast for which failed entries are kept (ledger A1.8).
+    """
+    low, high = 0.0, MAX_FORCE
+    if args.retrieval is None:
+        return low, high
+    for item in {entry.experience.id: entry for entry in (*args.retrieval.avoid, *args.retrieval.top)}.values():
+        entry = item.experience
+        if entry.success or item.s_cat < 1.0 or entry.strategy.region != args.plan.region or not entry.failures:
+            continue
+        main = max(entry.failures, key=lambda kind: entry.failures[kind])
+        if main in ("SLIP", "DROP"):
+            low = max(low, entry.strategy.force)
+        elif main in ("FORCE_DAMAGE", "DEFORMATION"):
+            high = min(high, entry.strategy.force)
+    return (low, high) if low < high else (0.0, MAX_FORCE)
+
+
 def _tidy(args: CorrectArgs, correction: Correction) -> Correction:
-    """Keeps the changed numbers within the hand's limits, and the force above what the measured load needs."""
+    """Keeps the changed numbers within the hand's limits and within what was weighed and what is known to fail."""
     changes = dict(correction.changes)
     if "force" in changes:
         force = float(str(changes["force"]))
+        low, high = known_bounds(args)
+        force = min(max(force, LEARNT_MARGIN * low), high / LEARNT_MARGIN)
         load = max(args.evidence.sensing.load_lifted, args.evidence.sensing.load_end)
         if load > 0.01 and correction.failure in ("SLIP", "DROP"):
             # The wrist has weighed it: friction assumed low, the force must hold that mass.

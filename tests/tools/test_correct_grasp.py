@@ -84,6 +84,27 @@ def test_damage_means_less_force_and_a_collision_means_another_place() -> None:
     assert hit.margin == pytest.approx(1.5)
 
 
+def test_failed_experiences_bound_the_force() -> None:
+    """10 N is known to slip, 16 N to break: the corrected force lies between, with a margin of a tenth."""
+    seen, plan = solid("t", "cube", 0.5, 0.1), a_plan()
+    slipped = experience("s", seen, success=False, region="body", force=10.0).model_copy(
+        update={"failures": {"SLIP": 9}}
+    )
+    broke = experience("b", seen, success=False, region="body", force=16.0).model_copy(
+        update={"failures": {"FORCE_DAMAGE": 9}}
+    )
+    for factor in (0.2, 5.0):
+        bent = plan.model_copy(update={"grasp": plan.grasp.model_copy(update={"force": plan.grasp.force * factor})})
+        args = CorrectArgs(
+            failure="DROP",
+            level=1,
+            plan=bent,
+            evidence=Evidence(sensing=Sensing()),
+            retrieval=retrieval(slipped, broke),
+        )
+        assert 11.0 <= float(str(correct_grasp(args, context()).changes["force"])) <= 16.0 / 1.1
+
+
 @pytest.mark.parametrize("failure", FAILURE_TYPES)
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_every_failure_has_a_correction_at_every_level(failure: FailureType, level: int) -> None:
