@@ -22,6 +22,8 @@ class Row(RunResult):
     """Wall time of the grasps over that of bare physics steps of the same number, where it was measured."""
     shared_looks: int = 0
     """Looks whose percept an earlier configuration of the same trial had already computed."""
+    shared_motions: int = 0
+    """Motions that an earlier configuration of the same trial had already made from the very same state."""
 
     @property
     def key(self) -> RowKey:
@@ -30,7 +32,13 @@ class Row(RunResult):
 
 
 def row_of(
-    job: Job, result: RunResult, *, wall_s: float, bare_step_ratio: float | None = None, shared_looks: int = 0
+    job: Job,
+    result: RunResult,
+    *,
+    wall_s: float,
+    bare_step_ratio: float | None = None,
+    shared_looks: int = 0,
+    shared_motions: int = 0,
 ) -> Row:
     """The row of a trial that ran."""
     return Row(
@@ -43,6 +51,7 @@ def row_of(
         wall_s=round(wall_s, 6),
         bare_step_ratio=None if bare_step_ratio is None else round(bare_step_ratio, 4),
         shared_looks=shared_looks,
+        shared_motions=shared_motions,
     )
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from bench.bare_ratio import MotionMeter
 from bench.job import Job
 from bench.row import Row, error_row, row_of
-from bench.shared_looks import SharedLooks, SharingPerceiver, SharingRobot
+from bench.shared_world import SharedWorld, SharingPerceiver
 from bench.suite import instruction_of
 
 log = logging.getLogger(__name__)
@@ -60,38 +60,39 @@ class _Shared:
 
         self.job = job
         self.instruction = instruction_of(job.task.name, job.seed)
-        self.opened = open_world(job.task.name, job.seed, evaluator=job.settings.evaluator, noise=job.noise)
-        self.start = self.opened.snapshot()
-        self.looks = SharedLooks()
+        self.world = SharedWorld.of(
+            open_world(job.task.name, job.seed, evaluator=job.settings.evaluator, noise=job.noise)
+        )
+        self.robot = self.world.actor
         self._perceivers: dict[str, Any] = {}
-        self.robot = self.opened.robot
 
     def run(self, configuration: str, before: float) -> Row:
         """The row of one configuration; `before` is the time already spent on it [s]."""
         from agent import build_agent
         from agent.configuration import configuration as named
 
-        began = time.perf_counter()
-        settings, hits = self.job.settings, self.looks.hits
+        began, settings, world = time.perf_counter(), self.job.settings, self.world
         # Every configuration begins at the same bits, the first one too.
-        self.opened.restore(self.start)
-        self.opened.stop.release()
-        meter = MotionMeter(
-            SharingRobot(self.robot, self.opened.world, self.looks), self.opened.world, self.job.measure
-        )
-        self.opened.robot = meter
+        world.begin()
+        looks, motions = world.shared_looks, world.shared_motions
+        meter = MotionMeter(self.robot, world.world, self.job.measure)
+        world.actor = meter
         perception = named(configuration).perception or settings.perception
         agent = build_agent(
             scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
             evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
-            opened=self.opened, perceiver=self._perceiver(perception), store=_store(),
+            opened=world, perceiver=self._perceiver(perception), store=_store(),
         )  # fmt: skip
-        agent.context.clock = self.looks.clock
+        agent.context.clock = world.clock
         result = agent.run(self.instruction)
-        wall = before + time.perf_counter() - began - meter.spent
         return row_of(
-            self.job, result, wall_s=wall, bare_step_ratio=meter.ratio, shared_looks=self.looks.hits - hits
-        )  # fmt: skip
+            self.job,
+            result,
+            wall_s=before + time.perf_counter() - began - meter.spent,
+            bare_step_ratio=meter.ratio,
+            shared_looks=world.shared_looks - looks,
+            shared_motions=world.shared_motions - motions,
+        )
 
     def _perceiver(self, name: Any) -> SharingPerceiver:
         """The perceiver of that name, made once."""
@@ -99,6 +100,6 @@ class _Shared:
         from tools.open_world import open_perceiver
 
         if name not in self._perceivers:
-            perceiver = open_perceiver(name, self.opened, ShapeColourEmbedder())
-            self._perceivers[name] = SharingPerceiver(perceiver, name, self.looks)
+            perceiver = open_perceiver(name, self.world, ShapeColourEmbedder())
+            self._perceivers[name] = SharingPerceiver(perceiver, name, self.world)
         return self._perceivers[name]
