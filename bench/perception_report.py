@@ -31,7 +31,7 @@ from tools.perception.upright_box import box_at, smallest_yaw
 
 log = logging.getLogger(__name__)
 
-FIRST, COUNT = 19000, 200
+FIRST, COUNT = 19200, 200
 """Acceptance seeds, and how many of them."""
 
 REGIONS = ("rim", "handle", "stem", "neck")
@@ -63,6 +63,7 @@ class SceneResult:
     false_objects: list[dict[str, Any]] = field(default_factory=list)
     """Reported objects that match nothing."""
     seconds: float = 0.0
+    """Processor time of the look [s]."""
 
 
 def draw(seed: int) -> tuple[PlacedScene, World, np.random.Generator]:
@@ -77,9 +78,9 @@ def run_scene(seed: int) -> SceneResult:
     scene, world, rng = draw(seed)
     views = world.capture(rng)
     perceiver = RgbdPerceiver(ShapeColourEmbedder())
-    start = time.perf_counter()
+    start = time.process_time()  # of this process: what else the machine does is not perception's business
     seen = perceiver.perceive(views, PerceiveArgs())
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     surfaces = OraclePerceiver(world).surfaces()
     return compare(seed, scene, seen, true_percepts(world, views), surfaces, seconds)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tools.perception.blob import Blob
+from tools.perception.blob import CLEAR_LOSS, Blob
 from tools.perception.measure import Measured
 
 
@@ -12,6 +12,8 @@ def is_inside(blob: Blob, holder: Measured) -> bool:
     """The blob is seen inside the rim of a round holder, and not above it."""
     if not holder.is_round or holder.radius < 0.02 or len(holder.blob.xyz) < 0.5 * len(blob.xyz):
         return False
+    if holder.lost > CLEAR_LOSS and blob.all_edge():
+        return False  # the slanted far side of the glass itself
     if np.median(blob.xyz[:, 2]) < np.quantile(holder.blob.xyz[:, 2], 0.02):
         return False  # a wine glass's foot lies below its bowl
     reach = np.hypot(*(blob.xyz[:, :2] - holder.centre).T)

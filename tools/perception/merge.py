@@ -17,7 +17,7 @@ from tools.perception.blob import CLEAR_LOSS, HIDDEN
 from tools.perception.classify import Judgement, classify
 from tools.perception.contents import is_inside
 from tools.perception.features import colour_features, features
-from tools.perception.join_clusters import STANDING, join_clusters
+from tools.perception.join_clusters import join_clusters
 from tools.perception.look import Look
 from tools.perception.measure import Measured, measure
 from tools.perception.piece_facts import NESTED_BASE, PieceFacts, gap
@@ -52,6 +52,12 @@ THINNEST = 0.0075
 HIDDEN_TOP = 0.030
 """How far the top of a base that is hidden from above may be above what is seen of it [m]."""
 
+
+ON_TABLE = 0.008
+"""What is seen lower than this stands on the table [m]; a phone is 10 mm thick."""
+
+OVERLAP = 0.25
+"""What stands on something overlaps it by this share of its width at least, seen from above."""
 
 SPLINTER = 0.06
 """Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
@@ -235,11 +241,13 @@ class Merger:
         mine = self._facts.span(group)
         lowest = float(mine.low[2])
         best: tuple[int | None, float] = (None, 0.0)
-        if lowest < STANDING:
+        if lowest < ON_TABLE:
             return best
         for other in others:
             if other == group or set(other) & set(group):
                 continue
+            if self._facts.span(other).low[2] > lowest - 0.003:
+                continue  # what carries reaches lower; two things never carry each other
             if self._facts.nested(group, other):
                 z = self._facts.blob(group).xyz[:, 2]
                 return other[0], float(np.partition(z, min(5, len(z) - 1))[min(5, len(z) - 1)]) - NESTED_BASE
@@ -249,7 +257,11 @@ class Merger:
                 continue
             if below.from_top < HIDDEN and top < lowest < top + HIDDEN_TOP:
                 top = lowest - 0.001  # its own lowest points tell better where it stands
-            if gap(mine, below) < -0.006 and top < lowest + 0.010 and top > best[1]:
+            if (
+                gap(mine, below) < -max(0.006, OVERLAP * float((mine.high - mine.low)[:2].min()))
+                and top < lowest + 0.010
+                and top > best[1]
+            ):
                 best = (other[0], top)
         return best
 
