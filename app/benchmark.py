@@ -76,7 +76,10 @@ def run_bench(request: BenchRequest, shared: Mapping[str, Any], config: Path | N
     except KeyboardInterrupt:
         print(f"ragvlm: interrupted; go on with the same command and --resume ({request.out})", file=sys.stderr)
         return INTERRUPTED
-    summary = _write_results(request.out, outcome.wall_s, workers)
+    from bench.report import write_outputs
+
+    progress.console.print(f"ran {outcome.ran} trials; writing the report")
+    summary = write_outputs(request.out)
     _say_results(progress.console, request, summary)
     if options.json == "-":
         sys.stdout.write(summary.to_json())
@@ -148,17 +151,6 @@ def _workers(asked: int | None) -> int:
 def _typed() -> str:
     """The command line as it was typed."""
     return "ragvlm " + shlex.join(sys.argv[1:])
-
-
-def _write_results(folder: Path, wall_s: float, workers: int) -> Any:
-    """Summary and report from the trials on disk; returns the summary."""
-    from bench.cells import summarise, write_summary
-    from bench.runner import trials_file
-    from bench.trial import read_trials
-
-    summary = summarise(read_trials(trials_file(folder)), wall_s=wall_s, workers=workers)
-    write_summary(summary, folder)
-    return summary
 
 
 def _say_results(console: Any, request: BenchRequest, summary: Any) -> None:

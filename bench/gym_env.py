@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 Observation = dict[str, NDArray[Any]]
 
 
-class GraspEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+class GraspEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """One task. `step` makes the robot carry out one grasp from start to end."""
 
     metadata = {"render_modes": ["rgb_array"]}  # noqa: RUF012  (gymnasium's own attribute)

@@ -73,7 +73,9 @@ class Journal:
                 )
             self._check_settings(settings)
             self._read(path)
-        self.sessions: list[dict[str, Any]] = self._known_run().get("sessions", []) if resume else []
+        self._earlier: list[dict[str, Any]] = self._known_run().get("sessions", []) if resume else []
+        self.sessions = self._earlier
+        """What each sitting did."""
         self._settings = settings
         self._write_run()
         self._file = path.open("ab")
@@ -136,8 +138,8 @@ class Journal:
         self.done.add(row.key)
 
     def note_session(self, session: dict[str, Any]) -> None:
-        """Adds what one sitting did (wall time, workers, command) to run.json."""
-        self.sessions.append(session)
+        """Writes to run.json what this sitting has done so far (wall time, workers, command); replaces what it said before."""
+        self.sessions = [*self._earlier, session]
         self._write_run()
 
     def _write_run(self) -> None:

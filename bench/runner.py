@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -11,6 +12,9 @@ from typing import Any
 from bench.job import BenchPlan, Job, jobs
 from bench.journal import TRIALS, Journal
 from bench.row import Row
+
+TOLD_EVERY_S = 10.0
+"""How often the record of the sitting is brought up to date [s]."""
 
 OnRow = Callable[[int, int, Row], None]
 """Told after each row: rows of the plan done, rows of the plan in all, the row."""
@@ -65,23 +69,17 @@ def run_benchmark(
         todo = jobs(plan, journal.done)
         done = plan.rows - sum(len(job.configurations) for job in todo)
         on_start(done, plan.rows, journal.repaired)
-        start, ran, errors = time.perf_counter(), 0, 0
+        sitting = _Sitting(journal, command, workers, dask)
+        ran = errors = 0
         try:
             for row in _rows(todo, workers, dask):
                 journal.append(row)
                 ran += 1
                 errors += row.harness_error is not None
+                sitting.tell(ran)
                 on_row(done + ran, plan.rows, row)
         finally:
-            session: dict[str, Any] = {
-                "command": command,
-                "finished": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-                "workers": workers,
-                "engine": f"dask {dask}" if dask else "processes" if workers > 1 else "inline",
-                "rows": ran,
-                "wall_s": round(time.perf_counter() - start, 3),
-            }
-            journal.note_session(session)
+            sitting.tell(ran, last=True)
         return Outcome(
             folder=folder,
             rows=plan.rows,
@@ -91,6 +89,43 @@ def run_benchmark(
             workers=workers,
             repaired=tuple(journal.repaired),
         )
+
+
+class _Sitting:
+    """Keeps the folder's record of this sitting up to date, so that a kill loses little of the wall time."""
+
+    def __init__(self, journal: Journal, command: str, workers: int, dask: str | None) -> None:
+        self._journal = journal
+        self._known: dict[str, Any] = {
+            "command": command,
+            "commit": _commit(),
+            "workers": workers,
+            "engine": f"dask {dask}" if dask else "processes" if workers > 1 else "inline",
+        }
+        self._start = time.perf_counter()
+        self._told = -TOLD_EVERY_S
+
+    def tell(self, rows: int, *, last: bool = False) -> None:
+        """Writes the record if it is time, or the last one."""
+        spent = time.perf_counter() - self._start
+        if not last and spent - self._told < TOLD_EVERY_S:
+            return
+        self._told = spent
+        now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+        self._journal.note_session({**self._known, "rows": rows, "wall_s": round(spent, 3), "finished": now})
+
+
+def _commit() -> str | None:
+    """The commit of the code that runs, with a plus if files were changed since; None outside a repository."""
+    here = Path(__file__).parent
+    try:
+        said = [
+            subprocess.run(["git", *words], cwd=here, capture_output=True, text=True, timeout=10.0, check=True).stdout
+            for words in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
+        ]
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return said[0].strip() + ("+" if said[1].strip() else "")
 
 
 def _rows(todo: Sequence[Job], workers: int, dask: str | None) -> Iterator[Row]:

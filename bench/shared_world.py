@@ -18,7 +18,7 @@ import pickle
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -142,7 +142,7 @@ class SharedWorld(OpenedWorld):
 
     def look(self, rng: np.random.Generator, names: Sequence[str]) -> Views:
         """Pictures, taken unless they are known."""
-        data, sequence = self.world.data, rng.bit_generator.seed_seq
+        data, sequence = self.world.data, cast(np.random.SeedSequence, rng.bit_generator.seed_seq)
         state = (rng.bit_generator.state, sequence.entropy, sequence.spawn_key, sequence.n_children_spawned)
         key = _digest(data.qpos.tobytes(), data.xpos.tobytes(), repr(state).encode(), repr(tuple(names)).encode())
         known = self._views.get(key)

@@ -60,7 +60,7 @@ def run_as_text(job: str) -> list[str]:
 def _client(address: str, connect_s: float) -> tuple[Any, Any]:
     """A client of the scheduler, and Dask's way to wait for results."""
     try:
-        import dask
+        import dask.config
         from distributed import Client, as_completed
     except ImportError as error:
         raise EnvironmentFaultError(
