@@ -52,7 +52,7 @@ def classify_failure(args: ClassifyArgs, context: ToolContext) -> Diagnosis:
     """
     del context
     against = doubts(args.plan, args.evidence, args.constraints, args.target)
-    if not against:
+    if not against.all:
         sensed = args.evidence.sensing
         reason = (
             f"carried {sensed.load_end:.3f} kg through hold and shake, fingers at {1000 * sensed.aperture_end:.1f} mm, "
@@ -61,5 +61,5 @@ def classify_failure(args: ClassifyArgs, context: ToolContext) -> Diagnosis:
         return Diagnosis(claimed=True, failure=None, confidence=0.98, reasons=(reason,))
     found = first_anomaly(args.plan, args.evidence, args.constraints, args.target, args.percept)
     return Diagnosis(
-        claimed=False, failure=found.failure, confidence=found.confidence, reasons=(*found.reasons, *against[:2])
+        claimed=False, failure=found.failure, confidence=found.confidence, reasons=(*found.reasons, *against.all[:2])
     )
