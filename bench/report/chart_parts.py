@@ -151,8 +151,9 @@ def failure_chart(results: Results) -> str:
             tips = [f"{name}: {k} failed attempts, {word}" for k, word in zip(numbers, words, strict=True)]
             bars.append((name, [100 * k / n for k in numbers], tips))
     return stacked(
-        bars, words, (*TYPE_COLOURS, "var(--c-grey)"), "failed attempts per 100 trials", label="Failed attempts by type"
-    )
+        bars, words, (*TYPE_COLOURS[: len(common)], "var(--c-grey)"), "failed attempts per 100 trials",
+        label="Failed attempts by type",
+    )  # fmt: skip
 
 
 def time_chart(results: Results) -> str:
