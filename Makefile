@@ -18,7 +18,7 @@ WORKERS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null ||
 # Exit code 5 of pytest means that no test was selected; a selection that may be empty is no failure.
 ALLOW_EMPTY = || { code=$$?; [ $$code -eq 5 ] || exit $$code; }
 
-.PHONY: help run demo test test-models test-long check lint type format docs clean
+.PHONY: help run demo test test-models test-long check lint type format measure docs clean
 
 help:  ## Lists the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -52,6 +52,9 @@ type: $(VENV)/.dev  ## pyright: strict in kb, memory, prompts and tools, standar
 format: $(VENV)/.dev  ## Formats the code and applies the fixes that ruff is sure of
 	$(VENV)/bin/ruff check --fix-only .
 	$(VENV)/bin/ruff format .
+
+measure: $(VENV)/.core  ## Measures anew every number of docs/measurements.md (about twenty minutes)
+	$(VENV)/bin/python -m bench.measure
 
 docs: $(VENV)/.core  ## Writes docs/reference (schemas of the tools and the result, scenes, objects) from the code
 	@mkdir -p docs/reference
