@@ -21,7 +21,7 @@ def profile_text(folder: Path) -> str:
 def profile_lines(trials: Sequence[Trial]) -> list[str]:
     """One line a stage: seconds in all, per trial, and share; then the trials' wall time and the bare-step ratio.
 
-    Stage times are what each configuration would have taken alone; the wall time is what it took with shared looks.
+    Stage times are what each configuration would have taken alone; the wall time is what it took with shared looks and motions.
     """
     ran = [trial for trial in trials if trial.harness_error is None]
     if not ran:
@@ -35,7 +35,7 @@ def profile_lines(trials: Sequence[Trial]) -> list[str]:
     wall = sum(trial.wall_s for trial in ran)
     lines.append(_line("trial in its worker", wall, len(ran), total))
     lines.append(
-        f"shared looks saved {max(0.0, total - wall):.1f} s net of opening worlds, building agents and judging"
+        f"sharing looks and motions saved {max(0.0, total - wall):.1f} s net of opening worlds, building agents and judging"
     )
     ratios = [trial.bare_step_ratio for trial in ran if trial.bare_step_ratio is not None]
     if ratios:
