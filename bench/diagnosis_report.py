@@ -80,7 +80,7 @@ class DiagnosisReport(Noun):
 
 
 def gather(seeds: int, first_seed: int, perception: PerceptionName, workers: int) -> DiagnosisReport:
-    """Carries out every provocation on `seeds` worlds, and as many undisturbed attempts."""
+    """Carries out every provocation on `seeds` worlds, and undisturbed attempts beside."""
     jobs: list[tuple[int | None, str, int, PerceptionName]] = []
     for number, provocation in enumerate(PROVOCATIONS):
         for k in range(seeds):
@@ -152,7 +152,7 @@ def markdown(report: DiagnosisReport) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Command line; exit code 0 if the diagnosis is as good as demanded."""
     parser = argparse.ArgumentParser(prog="python -m bench.diagnosis_report", description="Measures the diagnosis.")
-    parser.add_argument("--seeds", type=int, default=24, help="worlds per provocation")
+    parser.add_argument("--seeds", type=int, default=40, help="worlds per provocation")
     parser.add_argument("--first-seed", type=int, default=10000)
     parser.add_argument("--perception", choices=("rgbd", "oracle"), default="rgbd")
     parser.add_argument("--workers", type=int, default=2)

@@ -117,7 +117,7 @@ def too_weak(low: float, high: float) -> Bend:
 
 def too_strong(plan: Plan, percept: Percept, target: PerceivedObject, rng: np.random.Generator) -> Plan | None:
     """Closes with more than the object bears."""
-    force = maximum_force(target.affordance.fragility) * rng.uniform(1.4, 1.8)
+    force = maximum_force(target.affordance.fragility) * rng.uniform(1.3, 1.42)
     return None if force > MAX_FORCE else _with(plan, force=force)
 
 
@@ -127,8 +127,8 @@ def crushed(plan: Plan, percept: Percept, target: PerceivedObject, rng: np.rando
 
 
 def the_other_one(plan: Plan, percept: Percept, target: PerceivedObject, rng: np.random.Generator) -> Plan | None:
-    """Grasps what stands beside the target as if it were the target."""
-    others = [other for other in percept.objects if other.id != target.id and min(other.size[:2]) < 0.074]
+    """Grasps what stands beside the target as if it were the target; a twin could not be told by touch."""
+    others = [other for other in percept.objects if other.category != target.category and min(other.size[:2]) < 0.074]
     if not others:
         return None
     near = min(others, key=lambda other: (abs(other.size[1] - target.size[1]), other.id))
@@ -173,7 +173,7 @@ PROVOCATIONS: tuple[Provocation, ...] = (
     Provocation(
         "the other one",
         "WRONG_OBJECT",
-        ("screwdriver_side_grasp", "clear_table", "repeated_categories", "ball_behind_box"),
+        ("screwdriver_side_grasp", "clear_table", "repeated_categories"),
         the_other_one,
     ),
 )

@@ -11,6 +11,7 @@ from kb.percept import PerceivedObject
 from kb.vocabulary import FailureType
 from sim.hand import swept_distances
 from sim.quality import FIT_ALLOWANCE
+from tools.planning.candidate import TIP_REACH, Array, vec3
 from tools.planning.section import section
 from tools.planning.surroundings import own_points
 
@@ -18,14 +19,52 @@ TURNS = tuple(math.radians(a) for a in (30.0, 60.0, 90.0, 120.0, 150.0))
 """Turns of the hand about its approach for which the width is compared [rad]."""
 NARROWER = 0.005
 """A turn counts as better if the object is this much narrower there [m]."""
+BACK_STEPS = np.arange(0.002, 0.081, 0.003)
+"""Distances before the end of the approach at which contact is looked for [m]."""
+TABLE_TOUCH = 0.0005
+"""Fingertips aimed lower than this meet the table [m]."""
 TOUCH = 0.003
 """The swept hand meets the object if a point of it is nearer than this [m]: error of single points."""
 
 
+def first_contact(grasp: Grasp, points_w: Array, touch: float = TOUCH) -> float | None:
+    """How far before the end of the approach the open hand first comes within `touch` of the points [m]; None if never.
+
+    The end itself is 0; the larger, the earlier.
+    """
+    near = points_w[np.linalg.norm(points_w - np.asarray(grasp.position), axis=1) < 0.3] if len(points_w) else points_w
+    if len(near) < 4 or _nearest(grasp, near, 0.0) >= touch:
+        return None
+    for back in BACK_STEPS:
+        # The way up to `back` before the end: the first part that is free tells where the contact begins.
+        if _nearest(grasp, near, back) >= touch:
+            return float(back)
+    return float(BACK_STEPS[-1])
+
+
+def _nearest(grasp: Grasp, points_w: Array, back: float) -> float:
+    """Third smallest distance of the points from the hand on its way up to `back` before the end [m]."""
+    position = np.asarray(grasp.position) - back * np.asarray(grasp.approach)
+    stopped = grasp.model_copy(update={"position": vec3(position)})
+    return float(np.partition(swept_distances(stopped, points_w, lift=0.0), 2)[2])
+
+
 def meets(grasp: Grasp, target: PerceivedObject) -> bool:
     """Whether the open hand's way leads into the perceived object."""
-    own = swept_distances(grasp, own_points(target), lift=0.0)
-    return len(own) > 3 and float(np.partition(own, 2)[2]) < TOUCH
+    return first_contact(grasp, own_points(target)) is not None
+
+
+def table_contact(grasp: Grasp) -> float | None:
+    """How far before the end of the approach a fingertip meets the table [m]; None if never."""
+    rotation = grasp.rotation()
+    reach = (0.5 * grasp.aperture, 0.5 * grasp.aperture + 0.0144)
+    corners = [
+        rotation @ np.array([x, sign * y, TIP_REACH]) for x in (-0.0089, 0.0089) for y in reach for sign in (-1, 1)
+    ]
+    lowest = grasp.position[2] + min(float(corner[2]) for corner in corners)
+    if lowest >= TABLE_TOUCH or grasp.approach[2] > -0.1:
+        return None
+    return (TABLE_TOUCH - lowest) / -grasp.approach[2]
 
 
 def misfit(grasp: Grasp, target: PerceivedObject) -> FailureType:
