@@ -63,6 +63,9 @@ docs: $(VENV)/.core  ## Writes docs/reference (schemas of the tools and the resu
 	$(VENV)/bin/ragvlm scenes > docs/reference/scenes.txt
 	$(VENV)/bin/ragvlm objects > docs/reference/objects.txt
 
+figures: $(VENV)/.core  ## Draws the five figures of the documentation from real runs into docs/images (about five minutes)
+	$(VENV)/bin/python -m bench.figures
+
 clean:  ## Removes the environments and caches (not your runs)
 	rm -rf $(VENV) $(VENV_MODELS) .pytest_cache .ruff_cache .hypothesis .import_linter_cache build dist
 

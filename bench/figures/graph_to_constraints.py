@@ -91,7 +91,7 @@ def _column(axis: Any, x: float, kind: str, run: TracedRun) -> None:
     words(axis, x, y + 0.19, typeset(reason), size=SMALL, wrap=45, most=4)
     y += 0.92
     words(axis, x, y, "Change of the grasp Δg", size=BODY, bold=True, colour=ORANGE)
-    for line in adjustment_lines(step.constraints.adjustment):
+    for line in adjustment_lines(step.constraints.adjustment, graph):
         y += 0.19
         words(axis, x, y, line, size=SMALL)
     y = 7.62
@@ -151,7 +151,7 @@ def _graph(axis: Any, x: float, y: float, graph: SceneGraph, target: str | None)
     axis.plot([x, x + WIDTH], [y + 1.62, y + 1.62], color=RULE, linewidth=0.8)
 
 
-def adjustment_lines(change: Adjustment) -> list[str]:
+def adjustment_lines(change: Adjustment, graph: SceneGraph) -> list[str]:
     """The parts of the adjustment vector that are active."""
     lines: list[str] = []
     if change.direction is not None:
@@ -171,7 +171,8 @@ def adjustment_lines(change: Adjustment) -> list[str]:
     if change.max_tilt is not None:
         lines.append(f"tilt ≤ {math.degrees(change.max_tilt):.0f}°")
     if change.remove_first:
-        lines.append(f"first remove {', '.join(change.remove_first)}")
+        names = {node.id: node.category for node in graph.nodes}
+        lines.append(f"first take away the {', the '.join(names[thing] for thing in change.remove_first)}")
     return lines or ["nothing"]
 
 

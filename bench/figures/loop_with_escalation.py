@@ -25,11 +25,11 @@ from bench.figures.drawing import (
     typeset,
     words,
 )  # fmt: skip
-from bench.figures.traced_run import TracedRun, first_run, levels_tried
+from bench.figures.traced_run import TracedRun, first_run, levels_tried, understood
 from kb.run_result import AttemptRecord, RunResult
 from sim.viewpoint import Viewpoint
 
-SCENE = Path(__file__).parent / "scenes" / "slippery_cube.yaml"
+SCENE = Path(__file__).parent / "scenes" / "soapy_cube.yaml"
 NAMES = ("attempt 1", "level 1: tune parameters", "level 2: switch the grasp type", "level 3: plan anew")
 WIDTH, GAP, LEFT = 2.9, 0.22, 0.35
 NEAR = Viewpoint(eye=(1.16, -0.62, 0.47), target=(0.47, 0.02, 0.14), fovy=31.0)
@@ -40,16 +40,16 @@ def draw(path: Path) -> Path:
     """Finds a run that needs all four attempts and draws it."""
 
     def wanted(result: RunResult) -> bool:
-        return result.success and levels_tried(result) == [[False, False, False, True]]
+        return result.success and understood(result) and levels_tried(result) == [[False, False, False, True]]
 
-    run = first_run(str(SCENE), "pick up the cube", wanted, seed=10_004)
+    run = first_run(str(SCENE), "pick up the cube", wanted, seed=10_009)
     attempts = run.result.goals[0].attempts
     width = 2 * LEFT + len(attempts) * WIDTH + (len(attempts) - 1) * GAP
-    figure, axis = sheet(width, 8.3)
+    figure, axis = sheet(width, 8.65)
     words(axis, LEFT, 0.28, "Thought → Action → Observation, and what happens after a failure", size=TITLE, bold=True)
     note = (
-        f"“{run.result.instruction}”: a wooden cube that is five times as heavy and a third as rough as it looks "
-        f"(scene {SCENE.stem}, seed {run.result.seed}). The robot knows neither."
+        f"“{run.result.instruction}”: a wooden cube as smooth as wet soap, which no camera sees "
+        f"(scene {SCENE.stem}, seed {run.result.seed}). The robot knows only what it feels."
     )
     words(axis, LEFT, 0.62, note, size=BODY, colour=MUTED)
     _cycle(axis, width, 1.0)
@@ -101,8 +101,8 @@ def _column(axis: Any, x: float, run: TracedRun, number: int, attempt: AttemptRe
     y = top + 0.28 + height + 0.12
     thought = run.of_kind("thought")[number].text
     for name, said, most, room in (
-        ("Thought", thought, 8, 1.42),
-        ("Action", _action(attempt), 2, 0.53),
+        ("Thought", thought, 8, 1.6),
+        ("Action", _action(attempt), 2, 0.62),
         ("Observation", run.of_kind("observation")[number].text, 5, 0.95),
     ):
         words(axis, x, y, name, size=BODY, bold=True, colour=BLUE)

@@ -18,9 +18,10 @@ from bench.figures.drawing import (
     picture,
     save,
     sheet,
+    typeset,
     words,
 )
-from bench.figures.traced_run import TracedRun, first_run, levels_tried
+from bench.figures.traced_run import TracedRun, first_run, levels_tried, understood
 from kb.run_result import RunResult
 from sim.video import Moment
 
@@ -38,7 +39,7 @@ def draw(path: Path) -> Path:
         ("Interactive: slip, correction at level 1, recovery beside a vase", *_recovery()),
         ("Long horizon: three objects into the bin; what held the first cup is used for the second", *_memory()),
     ]
-    figure, axis = sheet(LEFT * 2 + COLUMNS * WIDTH + (COLUMNS - 1) * GAP, 9.65)
+    figure, axis = sheet(LEFT * 2 + COLUMNS * WIDTH + (COLUMNS - 1) * GAP, 10.0)
     words(axis, LEFT, 0.28, "Three runs of the agent", size=TITLE, bold=True)
     top = 0.78
     for title, run, frames in rows:
@@ -87,10 +88,9 @@ def _single() -> tuple[TracedRun, list[Frame]]:
 
 def _recovery() -> tuple[TracedRun, list[Frame]]:
     def wanted(result: RunResult) -> bool:
-        tried = levels_tried(result)
-        return result.success and tried == [[False, True]]
+        return result.success and understood(result) and levels_tried(result) == [[False, True]]
 
-    run = first_run(str(SCENES / "slippery_bowl.yaml"), "pick up the bowl", wanted, seed=10_014)
+    run = first_run(str(SCENES / "soapy_bowl.yaml"), "pick up the bowl", wanted, seed=10_010)
     first, second = run.grasps()[:2]
     failed, held = run.result.goals[0].attempts
     reason = run.of_kind("constrained")[0].constraints.active[0].reason
@@ -101,9 +101,9 @@ def _recovery() -> tuple[TracedRun, list[Frame]]:
         (run.moment(first, "transit", 0.0), "constraint", BLUE, reason),
         (run.moment(first, "close", 1.0), "attempt 1", BLUE, _grasped(failed)),
         (run.moment(first, last, 1.0), f"{failed.observed_failure}".lower(), RED,
-         f"the robot's own diagnosis: {failed.failure}; observed: {failed.observed_failure}"),
+         f"the robot says {failed.failure}, so does the observer"),
         (run.moment(second, "close", 1.0), "level 1", ORANGE,
-         f"{reflection.correction.rule}: {_grasped(held)}"),
+         typeset(f"{reflection.correction.rule}: {_grasped(held)}")),
         (run.moment(second, "shake", 1.0), "recovered", GREEN,
          f"held {held.verdict.held_s:.1f} s; the vase was moved {kept.measured.get('displacement_mm', 0.0):.1f} mm"),
     ]  # fmt: skip

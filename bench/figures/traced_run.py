@@ -116,3 +116,12 @@ def first_run(
 def levels_tried(result: RunResult) -> list[list[bool]]:
     """For each goal that was attempted: the observer's word on its attempts."""
     return [[attempt.success for attempt in goal.attempts] for goal in result.goals if goal.attempts]
+
+
+def understood(result: RunResult) -> bool:
+    """The robot judged and diagnosed each of its attempts as the observer did."""
+    return all(
+        attempt.claimed == attempt.success and attempt.failure == attempt.observed_failure
+        for goal in result.goals
+        for attempt in goal.attempts
+    )
