@@ -154,10 +154,10 @@ def _errors(obj: PerceivedObject, true: PerceivedObject, surface: NDArray[np.flo
     Several boxes of one thing may be equally small (a triangle has three): the true box is then the one that is turned
     as the reported box, if its footprint is at most 6 % larger than the smallest.
     """
-    position, extents, yaw = np.asarray(true.position), np.asarray(true.size), true.yaw
+    position, extents = np.asarray(true.position), np.asarray(true.size)
     turned = box_at(surface, obj.yaw)
     if turned.size[0] * turned.size[1] <= 1.06 * smallest_yaw(surface)[1]:
-        position, extents, yaw = turned.centre, turned.size, turned.yaw
+        position, extents = turned.centre, turned.size
     widths: dict[str, float | None] = {}
     for region in REGIONS:
         real = true.part(region)  # type: ignore[arg-type]
@@ -165,7 +165,7 @@ def _errors(obj: PerceivedObject, true: PerceivedObject, surface: NDArray[np.flo
             seen = obj.part(region)  # type: ignore[arg-type]
             widths[region] = None if seen is None else abs(seen.width - real.width) * 1e3
     size = np.abs(np.subtract(obj.size, extents)) / extents
-    turn = abs((obj.yaw - yaw + np.pi / 2) % np.pi - np.pi / 2)
+    turn = abs((obj.yaw - true.yaw + np.pi / 2) % np.pi - np.pi / 2)
     return {
         "reported": obj.category,
         "confidence": obj.confidence,
@@ -173,7 +173,7 @@ def _errors(obj: PerceivedObject, true: PerceivedObject, surface: NDArray[np.flo
         "position_mm": float(np.linalg.norm(np.subtract(obj.position, position)) * 1e3),
         "size_percent": float(size.mean() * 100),
         "size_mm": [float(v) for v in np.subtract(obj.size, extents) * 1e3],
-        "yaw_deg": float(np.rad2deg(turn)) if extents[0] > 1.3 * extents[1] else None,
+        "yaw_deg": float(np.rad2deg(turn)) if true.size[0] > 1.3 * true.size[1] else None,
         "reported_state": obj.state,
         "widths_mm": widths,
         "visible_error": abs(obj.visible_fraction - true.visible_fraction),
