@@ -10,7 +10,7 @@ import pytest
 from bench.agreement import agreement, auc, main, table
 from bench.trial import digest
 from kb.errors import BadInputError
-from tests.bench_fixtures import attempt_row, goal_row, trial_row
+from tests.report_fixtures import attempt_row, goal_row, trial_row
 
 YES, NO = [goal_row([attempt_row(0, True)])], [goal_row([attempt_row(0, False)])]
 

@@ -9,7 +9,7 @@ import pytest
 
 from bench.cells import cell, cells, summarise, write_summary
 from bench.trial import digest
-from tests.bench_fixtures import attempt_row, error_row, goal_row, required_row, trial_row
+from tests.report_fixtures import attempt_row, error_row, goal_row, required_row, trial_row
 
 
 def vase(trial: int, *, satisfied: bool = True, **more: object) -> dict[str, object]:

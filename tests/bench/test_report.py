@@ -23,7 +23,7 @@ from bench.report.success import headline, repetitions
 from bench.report.table import Table
 from bench.report.value import Count, Number, PValue, Span
 from bench.trial import Trial, digest
-from tests.bench_fixtures import attempt_row, drawn_rows, error_row, goal_row, required_row, trial_row
+from tests.report_fixtures import attempt_row, drawn_rows, error_row, goal_row, required_row, trial_row
 
 SKILLS = {"full": 0.85, "no_recovery": 0.8, "heuristic_scene_graph": 0.6, "blind_retry": 0.7, "vlm_only": 0.3}
 

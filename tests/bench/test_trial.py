@@ -11,7 +11,7 @@ import pytest
 from bench.row import Row
 from bench.trial import digest, in_order, read_trials
 from kb.errors import BadInputError
-from tests.bench_fixtures import attempt_row, error_row, goal_row, trial_row
+from tests.report_fixtures import attempt_row, error_row, goal_row, trial_row
 
 
 def write(path: Path, rows: list[dict[str, object]], tail: str = "") -> Path:
