@@ -63,8 +63,6 @@ class Measured:
     """Outer radius at sections.LEVELS relative heights (sections.LEVELS,), from the side that faces the front camera; NaN unseen."""
     hollow: float
     """Depth of the hollow seen from above over the height."""
-    floor_spread: float
-    """Median absolute deviation of the heights inside the hollow: contents are bumpy."""
     wall: float
     """Radial thickness of the top edge; NaN if there is no hollow."""
     rim_radius: float
@@ -121,9 +119,7 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
     if not is_round and not is_ball:
         centre = box.centre[:2]
     height = max(top - base, 1e-3)
-    hollow, spread, wall, rim = (
-        sections.hollow(blob, centre, radius, base, top) if is_round else (0.0, 0.0, np.nan, np.nan)
-    )
+    hollow, wall, rim = sections.hollow(blob, centre, radius, base, top) if is_round else (0.0, np.nan, np.nan)
     widths, sagitta = sections.widths_along(blob, box)
     return Measured(
         blob=blob,
@@ -140,7 +136,6 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
         top=top,
         profile=sections.profile(blob, centre, base, height),
         hollow=hollow,
-        floor_spread=spread,
         wall=wall,
         rim_radius=rim,
         widths=widths,

@@ -50,13 +50,13 @@ def ranks_by_group(
     return found
 
 
-def hollow(blob: Blob, centre: Array, radius: float, base: float, top: float) -> tuple[float, float, float, float]:
-    """Depth of the hollow over the height, bumpiness of its floor, thickness and radius of the wall's top."""
+def hollow(blob: Blob, centre: Array, radius: float, base: float, top: float) -> tuple[float, float, float]:
+    """Depth of the hollow over the height, thickness and radius of the wall's top."""
     reach = np.hypot(*(blob.xyz[:, :2] - centre).T)
     height = max(top - base, 1e-3)
     ring = reach[blob.from_top & (blob.xyz[:, 2] > top - 0.006) & (reach < radius + 0.004)]
     if len(ring) < 15:
-        return 0.0, 0.0, np.nan, np.nan
+        return 0.0, np.nan, np.nan
     inner, outer = np.quantile(ring, 0.06), np.quantile(ring, 0.94)
     z = np.concatenate(
         [
@@ -67,13 +67,13 @@ def hollow(blob: Blob, centre: Array, radius: float, base: float, top: float) ->
     if len(z) < 12:
         # Something else hides the inside: a ring without a middle is a rim, of a hollow of unknown depth.
         ring_shaped = np.quantile(ring, 0.3) > 0.7 * radius
-        return (0.5, 0.0, float(outer - inner), float(outer + inner) / 2) if ring_shaped else (0.0, 0.0, np.nan, np.nan)
+        return (0.5, float(outer - inner), float(outer + inner) / 2) if ring_shaped else (0.0, np.nan, np.nan)
     z = z[z <= np.quantile(z, 0.5)]  # the lower half: the other one may be the far wall, seen at a slant
     floor = float(np.median(z))
     depth = (top - floor) / height
     if depth < 0.06 or top - floor < 0.006:
-        return 0.0, 0.0, np.nan, np.nan
-    return depth, float(np.median(np.abs(z - floor))), float(outer - inner), float(outer + inner) / 2
+        return 0.0, np.nan, np.nan
+    return depth, float(outer - inner), float(outer + inner) / 2
 
 
 def widths_along(blob: Blob, box: UprightBox) -> tuple[Array, float]:
