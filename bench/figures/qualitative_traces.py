@@ -21,8 +21,9 @@ from bench.figures.drawing import (
     typeset,
     words,
 )
-from bench.figures.traced_run import TracedRun, first_run, levels_tried, understood
+from bench.figures.traced_run import TracedRun, first_run, known, levels_tried, understood
 from kb.run_result import RunResult
+from kb.sensing import Phase
 from sim.video import Moment
 
 SCENES = Path(__file__).parent / "scenes"
@@ -71,8 +72,7 @@ def _single() -> tuple[TracedRun, list[Frame]]:
     run = first_run("single_banana", "pick up the banana", lambda result: result.success)
     motion, attempt = run.grasps()[0], run.result.goals[0].attempts[0]
     best = run.of_kind("retrieved")[0].retrieval.best()
-    assert best is not None
-    entry, verdict = best.experience, attempt.verdict
+    entry, verdict, quality = known(best).experience, known(attempt.verdict), known(attempt.quality)
     return run, [
         (run.moment(motion, "transit", 0.0), "1 look", BLUE, run.of_kind("look")[0].text),
         (run.moment(motion, "approach", 0.0), "2 retrieve", BLUE,
@@ -80,7 +80,7 @@ def _single() -> tuple[TracedRun, list[Frame]]:
          f"score {best.score:.2f}"),
         (run.moment(motion, "close", 1.0), "3 grasp", BLUE, _grasped(attempt)),
         (run.moment(motion, "lift", 1.0), "4 lift", BLUE,
-         f"predicted quality {attempt.quality.q:.2f}; lifted {100 * verdict.lifted_m:.0f} cm"),
+         f"predicted quality {quality.q:.2f}; lifted {100 * verdict.lifted_m:.0f} cm"),
         (run.moment(motion, "shake", 1.0), "held", GREEN,
          f"held {verdict.held_s:.1f} s and through the shake; slip {1000 * verdict.slip_m:.1f} mm"),
     ]  # fmt: skip
@@ -95,7 +95,8 @@ def _recovery() -> tuple[TracedRun, list[Frame]]:
     failed, held = run.result.goals[0].attempts
     reason = run.of_kind("constrained")[0].constraints.active[0].reason
     reflection = run.of_kind("reflection")[0]
-    last = next(phase for phase in ("shake", "hold", "lift", "close") if run.has(first, phase))
+    phases: tuple[Phase, ...] = ("shake", "hold", "lift", "close")
+    last = next(phase for phase in phases if run.has(first, phase))
     kept = next(item for item in run.result.constraints if item.required)
     return run, [
         (run.moment(first, "transit", 0.0), "constraint", BLUE, reason),
@@ -105,7 +106,7 @@ def _recovery() -> tuple[TracedRun, list[Frame]]:
         (run.moment(second, "close", 1.0), "level 1", ORANGE,
          typeset(f"{reflection.correction.rule}: {_grasped(held)}")),
         (run.moment(second, "shake", 1.0), "recovered", GREEN,
-         f"held {held.verdict.held_s:.1f} s; the vase was moved {kept.measured.get('displacement_mm', 0.0):.1f} mm"),
+         f"held {known(held.verdict).held_s:.1f} s; the vase was moved {kept.measured.get('displacement_mm', 0.0):.1f} mm"),
     ]  # fmt: skip
 
 

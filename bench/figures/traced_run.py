@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,21 @@ from sim.video import Moment, MotionSampler
 from sim.viewpoint import Viewpoint
 
 Picture = NDArray[np.uint8]
+T = TypeVar("T")
 
 CLOSE_UP = Viewpoint(eye=(1.30, -0.78, 0.58), target=(0.46, 0.02, 0.17), fovy=33.0)
 """The table and the hand, for frames."""
+
+
+def known(value: T | None) -> T:
+    """A value that the run must have left.
+
+    Raises:
+        ValueError: it left none.
+    """
+    if value is None:
+        raise ValueError("the run lacks what the figure shows")
+    return value
 
 
 @dataclass(frozen=True)
@@ -72,6 +84,7 @@ class TracedRun:
 def trace(scene: str, seed: int, instruction: str) -> TracedRun:
     """Runs the agent as `ragvlm run` does, and keeps what happens."""
     from agent import build_agent
+    from agent.events import Look
 
     agent = build_agent(scene=scene, seed=seed)
     sampler = MotionSampler()
@@ -80,7 +93,7 @@ def trace(scene: str, seed: int, instruction: str) -> TracedRun:
     looks: list[tuple[RgbdView, Percept]] = []
     for step in agent.stream(instruction):
         steps.append(step)
-        if step.kind == "look":
+        if isinstance(step, Look):
             front = next(view for view in agent.views if view.name == "front")
             looks.append((front, step.percept))
     if agent.result is None:

@@ -15,6 +15,10 @@ LABEL = 215
 ROW = 24
 """Height of a row [px]."""
 PANEL, GAP = 166, 40
+DASHES = ("", "7 4", "2 4", "10 3 2 3", "", "7 4")
+"""Lines differ in their dashes as well, and stand a little beside each other where they would coincide."""
+DODGE = 5
+"""Distance of neighbouring lines [px]."""
 LINES = ("var(--c-blue)", "var(--c-orange)", "var(--c-green)", "var(--c-purple)", "var(--c-sky)", "var(--c-red)")
 
 
@@ -101,27 +105,32 @@ def noise_chart(results: Results) -> str:
     if not curves:
         return ""
     left, width, top, height = 50, 560, 14, 260
-    most = max(results.noises)
+    least, most = min(results.noises), max(results.noises)
+
+    def place(level: float, number: float = 0) -> float:
+        return left + 20 + (width - 40) * (level - least) / (most - least) + DODGE * number
+
     items: list[svg.Item] = []
     for tick in (0, 25, 50, 75, 100):
         y = top + height * (1 - tick / 100)
         items += [svg.line(left, y, left + width, y), svg.text(left - 8, y, f"{tick}", anchor="end", style="small")]
     for level in results.noises:
-        at = left + width * level / most
-        items.append(svg.text(at, top + height + 13, f"{level:g}", anchor="middle", style="small"))
+        items.append(svg.text(place(level), top + height + 13, f"{level:g}", anchor="middle", style="small"))
     items.append(svg.text(left + width / 2, top + height + 32, "noise factor", anchor="middle", style="small"))
     for number, (name, points) in enumerate(curves.items()):
         colour = LINES[number % len(LINES)]
-        at = {level: left + width * level / most for level in points}
+        at = {level: place(level, number - (len(curves) - 1) / 2) for level in points}
         upper = [(at[x], top + height * (1 - interval.high)) for x, (_, interval) in points.items()]
         lower = [(at[x], top + height * (1 - interval.low)) for x, (_, interval) in points.items()]
         middle = [(at[x], top + height * (1 - interval.value)) for x, (_, interval) in points.items()]
         items.append(svg.path(f"{_track([*upper, *reversed(lower)])} Z", fill=colour, style="band"))
-        items.append(svg.path(_track(middle), stroke=colour, width=2.5))
+        items.append(svg.path(_track(middle), stroke=colour, width=2.5, dash=DASHES[number % len(DASHES)]))
         for (x, y), (level, (count, _)) in zip(middle, points.items(), strict=True):
             items.append(svg.dot(x, y, 4, colour, tip=f"{name} at noise {level:g}: {count}"))
-        items.append(svg.rect(left + width + 24, top + 10 + 22 * number, 10, 10, colour, style="key"))
-        items.append(svg.text(left + width + 40, top + 15 + 22 * number, name))
+        y = top + 15 + 22 * number
+        key = _track([(left + width + 14, y), (left + width + 40, y)])
+        items.append(svg.path(key, stroke=colour, width=2.5, dash=DASHES[number % len(DASHES)]))
+        items.append(svg.text(left + width + 48, y, name))
     return svg.figure(left + width + 260, top + height + 44, items, "Success against noise by configuration")
 
 

@@ -28,9 +28,9 @@ def failures(trials: Sequence[Trial]) -> Counter[str]:
 def tables(results: Results) -> list[Table]:
     """Failure types, confusion, honesty, harness errors."""
     found = [breakdown(results), honesty(results)]
-    for configuration in results.configurations[:1]:
-        if failed_attempts(results.of(configuration)):
-            found.append(confusion(results, configuration))
+    failing = [name for name in results.configurations if failed_attempts(results.of(name))]
+    if failing:
+        found.append(confusion(results, failing[0]))
     return found + harness_errors(results)
 
 

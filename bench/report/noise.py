@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bench.report.results import Results, solved
 from bench.report.table import Table
-from bench.report.value import Content, Count, Span
+from bench.report.value import Content, Count, Number, Span
 from bench.statistics import Interval, wilson
 
 
@@ -27,7 +27,7 @@ def tables(results: Results) -> list[Table]:
         points = curve(results, configuration)
         if len(points) > 1:
             for level, (count, interval) in points.items():
-                rows.append((configuration, f"{level:g}", count, Span(interval.low, interval.high)))
+                rows.append((configuration, Number(level, 1), count, Span(interval.low, interval.high)))
     return [
         Table(
             "noise",

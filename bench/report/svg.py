@@ -71,9 +71,19 @@ def diamond(x: float, y: float, radius: float, stroke: str, *, tip: str = "") ->
     return f'<polygon points="{points}" fill="none" stroke="{stroke}" stroke-width="1.5">{body}</polygon>'
 
 
-def path(d: str, *, fill: str = "none", stroke: str = "none", width: float = 1, tip: str = "", style: str = "") -> Item:
-    """A path."""
+def path(
+    d: str,
+    *,
+    fill: str = "none",
+    stroke: str = "none",
+    width: float = 1,
+    tip: str = "",
+    style: str = "",
+    dash: str = "",
+) -> Item:
+    """A path; `dash` is a pattern of lengths [px]."""
     kind = f' class="{style}"' if style else ""
+    kind += f' stroke-dasharray="{dash}"' if dash else ""
     body = f"<title>{escape(tip)}</title>" if tip else ""
     return f'<path d="{d}" fill="{fill}" stroke="{stroke}" stroke-width="{num(width)}"{kind}>{body}</path>'
 
