@@ -27,7 +27,6 @@ from bench.figures.drawing import (
 )  # fmt: skip
 from bench.figures.traced_run import TracedRun, first_run, levels_tried, understood
 from kb.run_result import AttemptRecord, RunResult
-from kb.sensing import Phase
 from sim.viewpoint import Viewpoint
 
 SCENE = Path(__file__).parent / "scenes" / "soapy_cube.yaml"
@@ -88,9 +87,7 @@ def _shown(run: TracedRun, motion: int, attempt: AttemptRecord) -> Any:
     """Where a failed attempt ended, or the held object."""
     if attempt.success:
         return run.moment(motion, "shake")
-    phases: tuple[Phase, ...] = ("shake", "hold", "lift", "close", "approach")
-    last = next(phase for phase in phases if run.has(motion, phase))
-    return run.moment(motion, last, 0.75)
+    return run.last_of(motion, "shake", "hold", "lift", "close", "approach", share=0.75)
 
 
 def _column(axis: Any, x: float, run: TracedRun, number: int, attempt: AttemptRecord, pixels: Any) -> None:

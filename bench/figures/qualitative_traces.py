@@ -23,7 +23,6 @@ from bench.figures.drawing import (
 )
 from bench.figures.traced_run import TracedRun, first_run, known, levels_tried, understood
 from kb.run_result import RunResult
-from kb.sensing import Phase
 from sim.video import Moment
 
 SCENES = Path(__file__).parent / "scenes"
@@ -95,13 +94,11 @@ def _recovery() -> tuple[TracedRun, list[Frame]]:
     failed, held = run.result.goals[0].attempts
     reason = run.of_kind("constrained")[0].constraints.active[0].reason
     reflection = run.of_kind("reflection")[0]
-    phases: tuple[Phase, ...] = ("shake", "hold", "lift", "close")
-    last = next(phase for phase in phases if run.has(first, phase))
     kept = next(item for item in run.result.constraints if item.required)
     return run, [
         (run.moment(first, "transit", 0.0), "constraint", BLUE, reason),
         (run.moment(first, "close", 1.0), "attempt 1", BLUE, _grasped(failed)),
-        (run.moment(first, last, 1.0), f"{failed.observed_failure}".lower(), RED,
+        (run.last_of(first, "shake", "hold", "lift", "close"), f"{failed.observed_failure}".lower(), RED,
          f"the robot says {failed.failure}, so does the observer"),
         (run.moment(second, "close", 1.0), "level 1", ORANGE,
          typeset(f"{reflection.correction.rule}: {_grasped(held)}")),

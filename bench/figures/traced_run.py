@@ -73,6 +73,14 @@ class TracedRun:
         """Whether the motion came to that phase."""
         return any(moment.motion == motion and moment.phase == phase for moment in self.moments)
 
+    def last_of(self, motion: int, *phases: Phase, share: float = 1.0) -> Moment:
+        """A moment of the first of these phases that the motion came to.
+
+        Raises:
+            ValueError: it came to none of them.
+        """
+        return self.moment(motion, next((phase for phase in phases if self.has(motion, phase)), phases[-1]), share)
+
     def frames(
         self, moments: Sequence[Moment], viewpoint: Viewpoint = CLOSE_UP, size: tuple[int, int] = (560, 420)
     ) -> list[Picture]:
