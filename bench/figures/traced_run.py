@@ -79,7 +79,8 @@ class TracedRun:
         Raises:
             ValueError: it came to none of them.
         """
-        return self.moment(motion, next((phase for phase in phases if self.has(motion, phase)), phases[-1]), share)
+        reached: list[Phase] = [phase for phase in phases if self.has(motion, phase)]
+        return self.moment(motion, reached[0] if reached else phases[-1], share)
 
     def frames(
         self, moments: Sequence[Moment], viewpoint: Viewpoint = CLOSE_UP, size: tuple[int, int] = (560, 420)
