@@ -18,7 +18,7 @@ from tests.planning_fixtures import bottle, context, cup, percept, screwdriver, 
 from tools.plan_grasp import PlanArgs, plan_grasp
 from tools.planning.generate_candidates import generate_candidates
 
-QUICK = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+QUICK = settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 PLACES = st.tuples(st.floats(0.40, 0.62), st.floats(-0.22, 0.22), st.floats(-math.pi, math.pi))
 KINDS = st.sampled_from(["cup", "apple", "bottle", "bowl", "cube", "smartphone", "screwdriver", "tennis_ball", "block"])
 

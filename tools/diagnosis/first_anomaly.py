@@ -23,6 +23,8 @@ EARLY = 0.6
 """A load lost this soon after the test lift was never far off the ground [s]; measured: slips 0 to 0.6, drops from 0.6."""
 WHOLE = 0.8
 """Share of the lightest expected mass from which the test lift bore it all."""
+NUDGED = 0.06
+"""A target seen this near to where it stood, on the table, was at most nudged [m]."""
 TIGHT = 0.004
 """An opening that exceeds the local width by less than this lets the fingers land on the object [m]."""
 
@@ -138,7 +140,9 @@ def _wrong_object(case: Case) -> Anomaly | None:
     sensed, camera = case.evidence.sensing, case.evidence.camera
     off = abs(sensed.aperture_closed - case.plan.local_width)
     carried = sensed.load_end > LEAST_LOAD and sensed.aperture_end > CLOSED_EMPTY
-    stays = camera is not None and not gone(camera)
+    # A nudged target that is still there while something else vanished is not what is held either.
+    other = camera is not None and camera.target_visible and bool(camera.missing) and camera.target_moved < NUDGED
+    stays = camera is not None and (not gone(camera) or other)
     if carried and (stays or (camera is None and off > WIDTH_SURPRISE)):
         return Anomaly("WRONG_OBJECT", 0.8, (f"{sensed.load_end:.3f} kg are held, the target is not it",))
     return None

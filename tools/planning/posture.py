@@ -21,7 +21,7 @@ CALM = 0.85
 """Largest swing of a joint while the wrist turns by +-15 degrees [rad]; beyond it the arm is near a singularity, and what
 it holds is thrown about (measured: a screwdriver is lost from 0.98 rad on at any force, most postures need 0.3 to 0.7)."""
 
-FOLDED = -2.65
+FOLDED = -2.75
 """Fourth joint angle below which the elbow is so folded that the forearm may meet the shoulder on the way [rad]
 (measured: contact at -2.90)."""
 
