@@ -10,7 +10,7 @@ import numpy as np
 from kb.grasp import MAX_FORCE, MIN_FORCE, Provenance
 from kb.percept import PerceivedObject
 from sim.quality import GRAVITY, maximum_force, minimum_force
-from tools.planning.candidate import Array, Candidate
+from tools.planning.candidate import TIP_REACH, Array, Candidate
 from tools.planning.grasp_prior import GraspPrior
 
 DAMAGE_SPREAD = 0.8
@@ -25,6 +25,8 @@ LEAST_FORCE = 4.0
 TWIST_RADIUS = 0.014
 """Effective radius at which a pad's friction resists turning about the closing axis [m]: pads are 18 x 18 mm (measured: a cup
 0.07 m beside its weight is carried by 12 N)."""
+PAD_LENGTH = 0.0178
+"""Pads along the fingers [m]."""
 PAD_ARM = 0.014
 """Arm of the couple with which two pads resist turning in their own plane [m] (measured: a bowl of
 0.35 kg by its rim falls at 7 N, stays at 11 N)."""
@@ -45,6 +47,8 @@ class ForceTerms:
     friction: float
     centre: tuple[float, float]
     """Where the weight acts, horizontally [m]."""
+    top: float
+    """Height of the object's highest point [m]."""
     steps: tuple[Provenance, ...]
     """Where `base` comes from."""
     literal: bool = False
@@ -61,8 +65,13 @@ class ForceTerms:
         x, y = candidate.position[0] - self.centre[0], candidate.position[1] - self.centre[1]
         cosine, sine = math.cos(candidate.yaw), math.sin(candidate.yaw)
         along, across = abs(x * cosine + y * sine), abs(y * cosine - x * sine)
+        # Of a thin thing the pads only hold what stands above the fingertips.
+        covered = PAD_LENGTH
+        if candidate.approach[2] < -0.7:
+            covered = min(PAD_LENGTH, max(0.004, self.top - (candidate.position[2] - TIP_REACH)))
+        radius = TWIST_RADIUS * covered / PAD_LENGTH
         weight = self.mass * GRAVITY
-        return weight * max(across / (2.0 * self.friction * TWIST_RADIUS), along / PAD_ARM)
+        return weight * max(across / (2.0 * self.friction * radius), along / PAD_ARM)
 
     def provenance(self, candidate: Candidate) -> tuple[Provenance, ...]:
         """The steps that led to `force`."""
@@ -121,6 +130,7 @@ def force_terms(
         mass=mass,
         friction=friction,
         centre=weight_centre(subject),
+        top=subject.top_z,
         steps=tuple(steps),
     )
 
