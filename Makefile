@@ -18,7 +18,7 @@ WORKERS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null ||
 # Exit code 5 of pytest means that no test was selected; a selection that may be empty is no failure.
 ALLOW_EMPTY = || { code=$$?; [ $$code -eq 5 ] || exit $$code; }
 
-.PHONY: help run demo test test-models test-long check lint type format measure docs clean
+.PHONY: help run demo test test-models test-long check lint type format measure bench bench-smoke docs clean
 
 help:  ## Lists the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -52,6 +52,13 @@ type: $(VENV)/.dev  ## pyright: strict in kb, memory, prompts and tools, standar
 format: $(VENV)/.dev  ## Formats the code and applies the fixes that ruff is sure of
 	$(VENV)/bin/ruff check --fix-only .
 	$(VENV)/bin/ruff format .
+
+bench: $(VENV)/.core  ## The twelve tasks in the paper's seven configurations, 30 trials each, into runs/bench (resumes)
+	$(VENV)/bin/ragvlm bench --configs paper --trials 30 --out runs/bench --resume
+
+bench-smoke: $(VENV)/.core  ## The benchmark on a few trials, from trial to report
+	rm -rf runs/bench-smoke
+	$(VENV)/bin/ragvlm bench --tasks single_cup,cup_near_vase --configs full,heuristic_scene_graph --trials 2 --seed 10000 --out runs/bench-smoke
 
 measure: $(VENV)/.core  ## Measures anew every number of docs/measurements.md (about twenty minutes)
 	$(VENV)/bin/python -m bench.measure
