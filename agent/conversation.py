@@ -157,7 +157,10 @@ class Agent:
     def _result(self, total: float) -> RunResult:
         from agent.run_result import run_result
 
-        return run_result(self.state, self.opened.observer, total=total, **self._names)
+        # A run taken up after its last motion has moved nothing, so nothing has brought back the observer's record yet.
+        state = self.state
+        observer = self.context.world.at(state.world).observer
+        return run_result(state, observer, total=total, **self._names)
 
     # Stopping ----------------------------------------------------------------------------------------------------
 

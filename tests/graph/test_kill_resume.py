@@ -40,9 +40,9 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def kill_points(count: int) -> list[str]:
-    """Between a motion and its checkpoint, and at steps drawn at random."""
+    """Between a motion and its checkpoint, at the last step (nothing moves after it), and at steps drawn at random."""
     rng = np.random.default_rng(7)
-    return ["moved", *(str(n) for n in rng.choice(STEPS, size=count - 1, replace=False))]
+    return ["moved", str(STEPS - 1), *(str(n) for n in rng.choice(STEPS - 1, size=count - 2, replace=False))]
 
 
 def check(kill_at: str, undisturbed: str, folder: Path) -> None:
@@ -56,7 +56,7 @@ def check(kill_at: str, undisturbed: str, folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kill_at", kill_points(3))
+@pytest.mark.parametrize("kill_at", kill_points(4))
 def test_killed_run_is_resumed_exactly(kill_at: str, undisturbed: str, tmp_path: Path) -> None:
     """After kill -9 the same thread finishes with the very result of an undisturbed run."""
     check(kill_at, undisturbed, tmp_path)
