@@ -97,9 +97,10 @@ class AnalyticRobot(Robot):
         obstacles: Sequence[Obstacle] = (),
         speed: float = 1.0,
         then_home: bool = True,
+        left_behind: Obstacle | None = None,
     ) -> Sensing:
         """As `Robot.place`: what is held then stands where the tool point was sent."""
-        del obstacles, speed
+        del obstacles, speed, left_behind
         self.world.attempt += 1
         held = self.held
         target = _set_down_pose(forward(self.joints), position, approach, yaw)

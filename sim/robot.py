@@ -121,6 +121,7 @@ class Robot:
         obstacles: Sequence[Obstacle] = (),
         speed: float = 1.0,
         then_home: bool = True,
+        left_behind: Obstacle | None = None,
     ) -> Sensing:
         """Carries what is held above `position`, lowers it until contact is felt, lets go, retreats and goes home.
 
@@ -131,6 +132,7 @@ class Robot:
             obstacles: Perceived boxes to keep away from.
             speed: Velocity scale in (0, 1].
             then_home: Whether to drive home afterwards.
+            left_behind: Box of what is set down where it will stand: the way home keeps clear of it.
         """
         motion = MotionRun(self.world, self.stop)
         try:
@@ -138,7 +140,7 @@ class Robot:
             carry_above(motion, target, obstacles, speed)
             let_go(motion, obstacles)
             if then_home:
-                home(motion, obstacles)
+                home(motion, obstacles if left_behind is None else (*obstacles, left_behind))
         except HaltedError as halted:
             motion.note(stopped_by=halted.cause)
         return motion.sensing()

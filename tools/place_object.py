@@ -18,7 +18,7 @@ from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
 from tools.context import ToolContext
-from tools.planning.obstacles import obstacles
+from tools.planning.obstacles import obstacles, set_down_box
 from tools.planning.set_down import (
     BIN_RAISES,
     BIN_SLOTS,
@@ -99,7 +99,12 @@ def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
     if chosen is None:
         return Sensing(reachable=False, stopped_by="path", phase="plan", aperture_end=float(context.robot.aperture))
     return context.robot.place(
-        chosen.position, approach=chosen.approach, yaw=chosen.yaw, obstacles=boxes, speed=set_down_speed(args)
+        chosen.position,
+        approach=chosen.approach,
+        yaw=chosen.yaw,
+        obstacles=boxes,
+        speed=set_down_speed(args),
+        left_behind=set_down_box(args.object, chosen, args.held),
     )
 
 

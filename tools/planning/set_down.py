@@ -14,7 +14,9 @@ from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan
 from sim.hand import swept_clearance
 from sim.kinematics import forward
+from sim.place_motion import CARRY_HEIGHTS, OVERSHOOT
 from sim.reach import descents
+from tools.planning.arm_clearance import path_clearance
 from tools.planning.candidate import Array, vec3
 from tools.planning.surroundings import completed
 
@@ -34,8 +36,8 @@ BIN_RAISES = (0.0, 0.015, 0.03, 0.045, 0.07, 0.11)
 """How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
 WALL_ROOM = 0.006
 """Distance that what is put into the bin keeps from its walls [m]."""
-CARRY_HEIGHT, OVERSHOOT = 0.06, 0.012
-"""A set-down is straight from at least this height above, and feels for the ground this far below [m]."""
+ARM_GAP = 0.012
+"""Distance that the arm's links keep from everything on the way down [m]."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,12 @@ def feasible(option: SetDown, plan: Plan, joints: Array, obstacles_w: Array) -> 
         return False
     target = np.eye(4)
     target[:3, :3], target[:3, 3] = pose.rotation(), option.position
-    return next(descents(target, joints, CARRY_HEIGHT, OVERSHOOT), None) is not None
+    for height in CARRY_HEIGHTS:
+        # The robot takes the first way down that exists, so that one must be clear.
+        path = next(descents(target, joints, height, OVERSHOOT), None)
+        if path is not None:
+            return not len(obstacles_w) or path_clearance(path[::2], obstacles_w) >= ARM_GAP
+    return False
 
 
 def fits_bin(option: SetDown, held: PerceivedObject, corners: tuple[Vec3, Vec3]) -> bool:
