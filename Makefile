@@ -89,5 +89,5 @@ $(VENV)/.dev: pyproject.toml $(VENV)/.core
 
 $(VENV_MODELS)/.models: pyproject.toml
 	@bash .ci/make_venv $(VENV_MODELS)
-	$(VENV_MODELS)/bin/python -m pip install --quiet --disable-pip-version-check --root-user-action=ignore --editable '.[models,dev]'
+	$(VENV_MODELS)/bin/python -m pip install --quiet --disable-pip-version-check --root-user-action=ignore --editable '.[models,openai,embedded,dev]'
 	@touch $@
