@@ -52,6 +52,9 @@ class World:
         self.data = mujoco.MjData(self.model)
         self.index: WorldIndex = index_model(self.model, placed)
         self.recorders: list[Recorder] = []
+        self.watcher: Callable[[], None] | None = None
+        """Called every `GUARD_EVERY` steps of `run`, in its thread and before the guard, for live views. It may wait,
+        which slows the physics down to the watcher's clock, and must not change the world."""
         self.attempt = 0
         """Number of the current motion of the robot."""
         self.notes: dict[str, float] = {}
@@ -104,6 +107,7 @@ class World:
         qpos, qvel = np.empty((count, model.nq)), np.empty((count, model.nv))
         sensed = np.empty((count, model.nsensordata))
         ended_by, made = None, count
+        watcher = self.watcher
         live_qpos, live_qvel, live_sensors, live_ctrl = data.qpos, data.qvel, data.sensordata, data.ctrl
         for i in range(count):
             time[i] = data.time
@@ -112,6 +116,8 @@ class World:
             live_ctrl[:] = controls[i]
             step(model, data)
             sensed[i] = live_sensors
+            if watcher is not None and i % GUARD_EVERY == 0:
+                watcher()
             if guard is not None and i % every == 0:
                 ended_by = guard(i)
                 if ended_by is not None:

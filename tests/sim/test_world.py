@@ -165,3 +165,15 @@ def test_fixed_things_do_not_move_and_others_rest(cube, scene) -> None:
     place = world.data.qpos[world.index.objects["cube"].qpos]
     assert place[:3] == pytest.approx((0.5, 0.0, 0.0), abs=1e-4)
     assert (world.data.tree_asleep >= 0).sum() == 1
+
+
+def test_a_watcher_sees_the_motion_and_changes_nothing(cube, scene) -> None:
+    """The watcher is called every GUARD_EVERY steps while physics runs; the recording is the same bit for bit."""
+    placed = scene(cube(x=0.45, y=0.1))
+    times: list[float] = []
+    alone, watched = World(placed), World(placed)
+    watched.watcher = lambda: times.append(watched.time)
+    controls = _sway(alone, 100, 5)
+    assert _same(alone.run(controls, "transit"), watched.run(controls, "transit"))
+    assert len(times) == 100 // GUARD_EVERY
+    assert np.allclose(np.diff(times), GUARD_EVERY * 0.002)
