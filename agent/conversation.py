@@ -64,6 +64,12 @@ class Agent:
         return State(**self._graph.get_state(self._config).values)
 
     @property
+    def waiting(self) -> dict[str, Any] | None:
+        """The proposal (`agent.approval.Proposal` as plain data) that waits for a person's word, or None."""
+        found = [item for task in self._graph.get_state(self._config).tasks for item in task.interrupts]
+        return found[0].value if found else None
+
+    @property
     def interrupted(self) -> str | None:
         """The instruction that a killed process left unfinished in this thread, or None."""
         snapshot = self._graph.get_state(self._config)
@@ -102,17 +108,29 @@ class Agent:
             start = self.context.clock()
             entry: Any = None if self.interrupted == text else {"instruction": text, "times": {}}
             while entry is not False:
-                yield from self._steps(entry)
+                yield from self.steps(entry)
                 entry = yield from self._decide()
-            self.result = self._result(self.context.clock() - start)
-            if self.thread is not None:
-                prune(self._graph.checkpointer, self.thread)
+            self.conclude(self.context.clock() - start)
         finally:
-            self.context.emit = lambda _step: None
             self._running.release()
 
-    def _steps(self, entry: Any) -> Iterator[BaseStep]:
-        """Runs the graph in a thread of its own until it ends or waits, and yields its steps."""
+    def conclude(self, total: float) -> RunResult:
+        """Writes the result of the turn that has just ended, and forgets checkpoints that nobody will go back to.
+
+        Args:
+            total: wall time of the turn [s].
+        """
+        self.result = self._result(total)
+        if self.thread is not None:
+            prune(self._graph.checkpointer, self.thread)
+        return self.result
+
+    def steps(self, entry: Any) -> Iterator[BaseStep]:
+        """Runs the graph in a thread of its own until it ends or waits, and yields its steps.
+
+        Args:
+            entry: an update of the state to begin with, a `Command` that resumes, or None to go on where it was cut off.
+        """
         told: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.context.emit = told.put
         failures: list[BaseException] = []
@@ -134,6 +152,8 @@ class Agent:
             self.stop()
             worker.join()
             raise
+        finally:
+            self.context.emit = lambda _step: None
         worker.join()
         if failures:
             raise failures[0]
@@ -145,10 +165,9 @@ class Agent:
         from agent.events import Approval
         from kb.sensing import Plan
 
-        waiting = [item for task in self._graph.get_state(self._config).tasks for item in task.interrupts]
-        if not waiting:
+        proposal = self.waiting
+        if proposal is None:
             return False
-        proposal = waiting[0].value
         plan = Plan.model_validate(proposal["plan"])
         yield Approval(text="May I do this?", goal=proposal["goal"], plan=plan)
         decision = self._approve(proposal) if self._approve is not None else {"verdict": "reject"}

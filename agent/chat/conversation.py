@@ -1,0 +1,308 @@
+"""A conversation with the robot, the same for every face (terminal, web page, Python).
+
+A face opens one, says what the person said, and shows the typed events that come back while things happen:
+
+    with Conversation.open("cup_near_vase", 3, thread="kitchen", asks=True) as talk:
+        for event in talk.say("pick up the cup"):        # agent.events.BaseStep and agent.chat.events
+            show(event)                                  # event.kind, event.text, typed fields
+        if talk.pending is not None:                     # the turn waits: its last event was `Asked`
+            for event in talk.edit(force=6.0):           # or approve(), reject(), say("no, by the handle")
+                show(event)
+
+Rules that a face may rely on:
+
+- Only one turn runs at a time. `say`, `approve`, `reject`, `edit`, `resume`, `why`, `compare`, `whatif`, `undo` return iterators;
+  the turn runs while they are iterated (in a thread of its own, so that a slow face does not slow the robot down).
+  Leaving one early stops the robot. A turn that ends is closed by `Finished` (with its RunResult), `Asked` or `Refused`.
+- Errors of a command are events (`Refused`), never exceptions; only `open` and the session functions raise RagVlmErrors.
+- `stop`, `release` and `steer` may be called from any thread at any time. A stop latches: until `release`, whatever would
+  move is refused. `steer(text)` is heard between two steps of the running turn; idle, say the same words with `say`.
+- Text that comes back is inert: no control characters, no escape sequences. It is not HTML; a page must escape it.
+- Everything is saved before the next step begins. Open the same thread again and the conversation, the memory, the world
+  and a pending approval are there; `unfinished` names a turn that was cut off, `resume()` goes on with it.
+"""
+
+from __future__ import annotations
+
+import datetime
+import queue
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from agent.chat.sessions import folder_of, write_card
+from agent.conversation import Agent, checked
+from kb.errors import BadInputError, EnvironmentFaultError, RagVlmError
+
+if TYPE_CHECKING:
+    from agent.approval import Proposal
+    from agent.events import BaseStep
+    from agent.state import State
+    from kb.run_result import RunResult
+    from memory import MemoryItem
+
+
+class Conversation:
+    """One person, one robot, one scene at a time. Close it, or use it in a `with` statement."""
+
+    def __init__(self, agent: Agent, *, folder: Path | None = None, asks: bool = False) -> None:
+        """Use `open`."""
+        self.agent = agent
+        """The agent with its world: `agent.opened` for pictures, `agent.views` for the last look."""
+        self.folder = folder
+        """Folder of the session (pictures, spans), or None where nothing is kept."""
+        self._busy = threading.Lock()
+        self._mail: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.asks = asks
+
+    @classmethod
+    def open(
+        cls,
+        scene: str | None = None,
+        seed: int | None = None,
+        *,
+        thread: str | None = None,
+        threads: str | Path | None = None,
+        asks: bool = False,
+        **options: Any,
+    ) -> Conversation:
+        """Opens the world and takes up the thread; nothing moves yet.
+
+        Args:
+            scene: As `build_agent`.
+            seed: As `build_agent`.
+            thread: Name under which everything is kept; None forgets it with the process.
+            threads: File that keeps threads (default: in the user's data folder).
+            asks: Ask before every motion.
+            options: Further arguments of `build_agent` (brain, perception, evaluator, configuration, dry_run, base_url, ...).
+
+        Raises:
+            BadInputError: an unknown name, or a thread of another world.
+            EnvironmentFaultError: the machine cannot do it, or another process holds the thread (with its pid).
+        """
+        from agent.build_agent import build_agent
+
+        agent = build_agent(scene, seed, thread=thread, threads=threads, **options)
+        return cls(agent, folder=folder_of(thread, threads) if thread else None, asks=asks)
+
+    def __enter__(self) -> Conversation:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stops the robot and gives the thread free."""
+        self.agent.stop()
+
+    # What a face may look at --------------------------------------------------------------------------------------
+
+    @property
+    def asks(self) -> bool:
+        """Whether the person is asked before every motion; may be set at any time."""
+        return self.agent.context.approve
+
+    @asks.setter
+    def asks(self, wanted: bool) -> None:
+        self.agent.context.approve = wanted
+
+    @property
+    def place(self) -> str:
+        """Scene and seed, in words."""
+        return f"scene {self.agent.opened.scene}, seed {self.agent.opened.seed}"
+
+    @property
+    def busy(self) -> bool:
+        """Whether a turn is running."""
+        return self._busy.locked()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the robot was stopped and not released."""
+        return bool(self.agent.opened.stop.pressed)
+
+    @property
+    def pending(self) -> Proposal | None:
+        """The motion that waits for a person's word, or None; survives a restart."""
+        from agent.approval import Proposal
+
+        waiting = self.agent.waiting
+        return None if waiting is None else Proposal.model_validate(waiting)
+
+    @property
+    def unfinished(self) -> str | None:
+        """What was said in a turn that was cut off (a killed process), or None."""
+        return self.agent.interrupted if self.agent.waiting is None else None
+
+    @property
+    def state(self) -> State:
+        """The state as last saved: percept, attempts, memory, messages, held, ..."""
+        return self.agent.state
+
+    @property
+    def result(self) -> RunResult | None:
+        """Result of the last turn."""
+        return self.agent.result
+
+    @property
+    def messages(self) -> tuple[tuple[str, str], ...]:
+        """The conversation so far: ("person" or "robot", text)."""
+        return tuple(("person" if m.type == "human" else "robot", str(m.content)) for m in self.state.messages)
+
+    @property
+    def memory(self) -> tuple[MemoryItem, ...]:
+        """What worked in this conversation."""
+        return self.state.memory.items
+
+    # Speaking -----------------------------------------------------------------------------------------------------
+
+    def say(self, text: str) -> Iterator[BaseStep]:
+        """One utterance of the person; while a motion waits for approval it is the answer to that."""
+        from agent.chat.heard import heard
+
+        try:
+            words = checked(heard(text))
+            verdict = _verdict(words) if self.pending is not None else None
+        except RagVlmError as error:
+            yield _refused(error)
+            return
+        if verdict is not None:
+            yield from self.decide({"verdict": verdict})
+            return
+        if self.pending is not None:
+            yield from self.reject()
+        yield from self._turn({"instruction": words, "times": {}})
+
+    def steer(self, text: str) -> None:
+        """Something said while the robot works; it is heard before the next step. From any thread."""
+        self._mail.put(text)
+
+    def resume(self) -> Iterator[BaseStep]:
+        """Goes on with the turn that was cut off."""
+        yield from self._turn(None)
+
+    def approve(self) -> Iterator[BaseStep]:
+        """Lets the pending motion happen."""
+        yield from self.decide({"verdict": "approve"})
+
+    def reject(self) -> Iterator[BaseStep]:
+        """Refuses the pending motion."""
+        yield from self.decide({"verdict": "reject"})
+
+    def edit(self, **changes: Any) -> Iterator[BaseStep]:
+        """Lets the pending motion happen with other numbers: fields of `kb.grasp.Grasp`, within the hand's limits."""
+        from pydantic import ValidationError
+
+        from kb.grasp import Grasp
+
+        waiting = self.pending
+        if waiting is None:
+            yield _refused(BadInputError("nothing waits for approval", where="edit"))
+            return
+        try:
+            unknown = set(changes) - set(Grasp.model_fields)
+            if unknown:
+                raise BadInputError(f"a grasp has no {min(unknown)!r}", where="edit", choices=Grasp.model_fields)
+            grasp = Grasp.model_validate({**waiting.plan.grasp.model_dump(), **changes})
+        except ValidationError as error:
+            first = error.errors()[0]
+            yield _refused(BadInputError(str(first["msg"]), where=str(first["loc"][0])))
+            return
+        except BadInputError as error:
+            yield _refused(error)
+            return
+        yield from self.decide({"verdict": "edit", "grasp": grasp.model_dump(mode="json")})
+
+    def decide(self, decision: dict[str, Any]) -> Iterator[BaseStep]:
+        """The person's word on the pending motion, as plain data of `agent.approval.Decision`."""
+        from langgraph.types import Command
+
+        if self.agent.waiting is None:
+            yield _refused(BadInputError("nothing waits for approval", where="approval"))
+            return
+        yield from self._turn(Command(resume=decision))
+
+    # Questions about what was done --------------------------------------------------------------------------------
+
+    def why(self) -> Iterator[BaseStep]:
+        """Why the last grasp was chosen (`Explained`)."""
+        yield from self.say("why did you grasp it that way")
+
+    def undo(self) -> Iterator[BaseStep]:
+        """Puts back what was taken or moved last."""
+        yield from self.say("undo")
+
+    # Stopping -----------------------------------------------------------------------------------------------------
+
+    def stop(self) -> None:
+        """Stops the robot at once and latches: nothing moves until `release`. From any thread, at any time."""
+        self.agent.stop()
+
+    def release(self) -> None:
+        """Lets the robot move again; nothing moves by itself after that."""
+        self.agent.release()
+
+    # Running ------------------------------------------------------------------------------------------------------
+
+    def _turn(self, entry: Any) -> Iterator[BaseStep]:
+        """Runs the graph until the turn ends or waits."""
+        from agent.chat.events import Asked, Finished
+
+        if not self._busy.acquire(blocking=False):
+            yield _refused(BadInputError("I am busy; stop me or steer", where="conversation"))
+            return
+        try:
+            begun = self.agent.context.clock()
+            yield from self.agent.steps(entry)
+            waiting = self.pending
+            if waiting is not None:
+                yield Asked(
+                    text="May I do this?",
+                    goal=waiting.goal,
+                    plan=waiting.plan,
+                    thought=waiting.thought,
+                    clearance=waiting.clearance,
+                )
+                return
+            result = self.agent.conclude(self.agent.context.clock() - begun)
+            self._note()
+            yield Finished(text=result.answer, result=result)
+        except RagVlmError as error:
+            yield _refused(error)
+        finally:
+            self._busy.release()
+
+    def _note(self) -> None:
+        """Writes the session's card for the list; that it cannot be written is no reason to lose the turn."""
+        if self.folder is None:
+            return
+        state = self.state
+        card = {
+            "scene": state.scene,
+            "seed": state.seed,
+            "turns": state.turn + 1,
+            "last": state.instruction[:200],
+            "updated": datetime.datetime.now().isoformat(timespec="seconds"),
+        }
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_card(self.folder, card)
+        except OSError:
+            return
+
+
+def _verdict(words: str) -> str | None:
+    """Yes or no, if the words are just that."""
+    plain = words.lower().strip(" .!,")
+    if plain in ("y", "yes", "ok", "okay", "approve", "go", "go ahead", "do it", "yes please", "sure", "approved"):
+        return "approve"
+    if plain in ("n", "no", "reject", "no thanks", "do not", "don't", "stop", "cancel", "rejected"):
+        return "reject"
+    return None
+
+
+def _refused(error: RagVlmError) -> BaseStep:
+    from agent.chat.events import Refused
+
+    return Refused(text=str(error), code=3 if isinstance(error, EnvironmentFaultError) else 2)
