@@ -186,3 +186,27 @@ def build_store(out: Path, *, workers: int, trials: int, categories: tuple[str, 
     new_store(entries, embedder=embedder.name, dim=embedder.dim, path=out).save(out)
     good = sum(entry.success for entry in entries)
     console.print(f"{len(entries)} experiences, {good} successes and {len(entries) - good} failures, in {out}")
+
+
+def render_reference_views(path: Path | None) -> None:
+    """Writes the reference views of a knowledge base beside its file, with progress on standard error.
+
+    Raises:
+        EnvironmentFaultError: an entry's view cannot be rendered again, or the file cannot be written.
+    """
+    from app.console import make_console
+    from kb.reference_views import save_views, views_path
+    from kb.store import ExperienceStore
+    from tools.experience.reference_view import render_views
+
+    store = ExperienceStore.open(path)
+    console = make_console(stderr=True)
+
+    def told(done: int, total: int) -> None:
+        if done % 20 == 0 or done == total:
+            console.print(f"{done}/{total} views", markup=False)
+
+    pictures = render_views(store.all(), told)
+    assert store.path is not None  # opened from a file
+    save_views(views_path(store.path), pictures)
+    console.print(f"{len(pictures)} reference views in {views_path(store.path)}")

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from kb.reference_views import ReferenceView
 
 
 @runtime_checkable
@@ -35,4 +38,13 @@ class Embedder(Protocol):
         Returns:
             Vector of Euclidean length 1, shape (dim,).
         """
+        ...
+
+
+@runtime_checkable
+class BatchEmbedder(Embedder, Protocol):
+    """An embedder that is faster with many objects at once."""
+
+    def embed_batch(self, views: Sequence[ReferenceView]) -> NDArray[np.float64]:
+        """Unit vectors (N, dim), the same as `embed` gives one by one up to rounding."""
         ...

@@ -85,3 +85,11 @@ def build(
 
     names = tuple(name.strip() for name in (categories or "").split(",") if name.strip())
     build_store(out, workers=workers, trials=trials, categories=names)
+
+
+@app.command("views")
+def views(store: Store = None) -> None:
+    """Render the reference pictures of a knowledge base again, beside its file, so that any embedder can embed it."""
+    from app.knowledge import render_reference_views
+
+    render_reference_views(store)
