@@ -94,6 +94,6 @@ def test_the_crop_keeps_the_aspect_and_blanks_what_is_no_object() -> None:
     mask[20:30, 10:50] = True
     square = masked_square(rgb, mask)
     bright = (square > 200).all(axis=2)
-    rows, columns = np.flatnonzero(bright.any(1)), np.flatnonzero(bright.any(0))
+    rows, columns = np.flatnonzero(bright.any(axis=-1)), np.flatnonzero(bright.any(axis=0))
     assert np.ptp(columns) / np.ptp(rows) == pytest.approx(4.0, rel=0.05)
     assert square[0, 0].tolist() == [GREY] * 3
