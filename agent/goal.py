@@ -137,6 +137,8 @@ class Understanding(Noun):
     """Why nothing will be done: not understood, contradictory, or beyond what the robot can do."""
     question: str | None = None
     """What to ask the person back."""
+    pending: Goal | None = None
+    """What was understood of the command that the question completes."""
 
 
 RelationTo.model_rebuild()

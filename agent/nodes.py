@@ -76,7 +76,7 @@ def understand(state: State, runtime: Run) -> Update:
             executed=False,
             extra_actions=0,
             motions={},
-            pending=None,
+            pending=got.pending,
             graph=None,
             shown=None,
             constraints=Constraints(),

@@ -40,6 +40,23 @@ IN_HAND = re.compile(
 LINE_UP = re.compile(r"\bline (?!up\b)(.+?) up\b")
 
 
+_NO_TOUCH = re.compile(r"^(?P<command>.+?) without (?:touching|grasping|gripping|moving|lifting) (?:it|them)$")
+
+
+def untouchable(line: str) -> bool:
+    """Whether a thing is to be taken without touching it; "the cup next to the vase without touching it" means the vase."""
+    found = _NO_TOUCH.match(line)
+    if not found:
+        return False
+    words = found["command"].split()
+    return not any(
+        words[i : i + n] == p.split()
+        for p, _ in lexicon.RELATIONS
+        for n in [len(p.split())]
+        for i in range(1, len(words))
+    )
+
+
 def without_asides(line: str) -> str:
     """The instruction without cautions, reasons and talk; what remains is the command itself.
 

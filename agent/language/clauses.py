@@ -22,10 +22,18 @@ VERBS: tuple[tuple[str, str], ...] = tuple(
 SEQUENCE = ("and then", "then", "after that", "afterwards", "and afterwards", "and after that", "followed by", "next", "and next",
             "finally", "and finally", "lastly", "and lastly", "subsequently", "after which", "and", "plus", "as well as", "but",
             "before that", "once that is done", "when you are done", "once you have it", "once done", "when done")  # fmt: skip
+GERUNDS = {
+    "handing": "hand", "picking": "pick", "putting": "put", "giving": "give", "passing": "pass", "bringing": "bring",
+    "taking": "take", "grabbing": "grab", "lifting": "lift", "moving": "move", "placing": "place", "clearing": "clear",
+    "sorting": "sort", "getting": "get", "fetching": "fetch", "grasping": "grasp", "holding": "hold", "removing": "remove",
+    "throwing": "throw", "dropping": "drop", "setting": "set", "tidying": "tidy", "cleaning": "clean", "ordering": "order",
+    "arranging": "arrange", "raising": "raise", "collecting": "collect",
+}  # fmt: skip
+"""Gerund -> verb."""
 HAND_ME = re.compile(
     r"^(?:i (?:want|need|would like(?: to have)?|could use|would love)|(?:can|could|may|might) i (?:please )?(?:have|get)|"
     r"let me have|i will (?:have|take)|i am looking for|get me|fetch me|bring me|grab me|give me|hand me|pass me|"
-    r"hand over|pass over)\s+(?!to\b|you\b)(?P<what>.+)$"
+    r"hand over|pass over)\s+(?:over )?(?!to\b|you\b)(?P<what>.+)$"
 )
 NOT_DO = re.compile(
     r"^(?:please )?(?:do not|never|not|you (?:must|should|shall|may) not|avoid|refrain from)\s+(?P<rest>.+)$"
@@ -48,6 +56,10 @@ def trim(tokens: list[str]) -> list[str]:
                 tokens, changed = tokens[len(parts) :], True
             if tokens[-len(parts) :] == parts and len(tokens) > len(parts) and filler not in ("next", "now there"):
                 tokens, changed = tokens[: -len(parts)], True
+        for tag in lexicon.TAGS:
+            parts = tag.split()
+            if tokens[-len(parts) - 1 :] == [",", *parts] and len(tokens) > len(parts) + 1:
+                tokens, changed = tokens[: -len(parts) - 1], True
     return tokens
 
 
@@ -106,6 +118,10 @@ def _reorder_after(tokens: list[str]) -> list[str]:
         first = [{"took": "take", "taken": "take", "taking": "take", "picked": "pick", "picking": "pick", "putting": "put",
                   "placed": "place", "placing": "place", "grabbed": "grab", "grabbing": "grab"}.get(t, t) for t in first]  # fmt: skip
         return [*second, "then", *first] if tokens[0] == "before" else [*first, "then", *second]
+    for cut, token in enumerate(tokens):  # "take the bowl after putting the block in the bin"
+        if cut and token in ("after", "before") and tokens[cut + 1 : cut + 2] and tokens[cut + 1] in GERUNDS:
+            first, second = tokens[:cut], [GERUNDS[tokens[cut + 1]], *tokens[cut + 2 :]]
+            return [*second, "then", *first] if token == "after" else [*first, "then", *second]
     return tokens
 
 

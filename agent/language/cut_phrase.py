@@ -69,8 +69,9 @@ def split_relation(tokens: list[str]) -> tuple[list[str], RelationWord | None, l
             rest = tokens[start + len(parts) :]
             if tokens[start : start + len(parts)] != parts or not rest:
                 continue
-            if start == 0 and phrase in ("nearest", "closest", "next", "above", "before", "at"):
-                continue
+            superlative = phrase in ("nearest", "closest") and tokens[start - 1] in ARTICLES
+            if superlative or (start == 0 and phrase in ("nearest", "closest", "next", "above", "before", "at")):
+                continue  # "the nearest block" singles a block out; "the cup nearest the block" relates
             if phrase in ("next", "at", "before") and rest[0] in ("one", "to"):
                 continue
             bare = [t for t in rest if t not in (*ARTICLES, "to")]

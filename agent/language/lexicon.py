@@ -186,7 +186,9 @@ RELATIONS: tuple[tuple[str, RelationWord], ...] = (
     ("on", "on"), ("atop", "on"), ("above", "on"), ("over", "on"),
     ("underneath", "under"), ("under", "under"), ("beneath", "under"), ("below", "under"), ("supporting", "under"),
     ("in between", "between"), ("between", "between"),
-    ("from on top of", "on"), ("from the top of", "on"), ("off of", "on"), ("off", "on"), ("out of", "in"), ("from", "on"),
+    ("from behind", "behind"), ("from under", "under"), ("from underneath", "under"), ("from beneath", "under"),
+    ("from inside", "in"), ("from within", "in"), ("from next to", "near"), ("from beside", "near"), ("from between", "between"),
+    ("from in front of", "in_front_of"), ("from on top of", "on"), ("from the top of", "on"), ("off of", "on"), ("off", "on"), ("out of", "in"), ("from", "on"),
     ("inside of", "in"), ("inside", "in"), ("into", "in"), ("in", "in"), ("within", "in"),
 )  # fmt: skip
 """Phrase -> relation, the longer phrases first where one begins with another."""
@@ -240,11 +242,15 @@ FILLERS = (
     "please", "kindly", "just", "now", "robot", "panda", "hey", "hi", "hello", "ok", "okay", "well", "so", "um", "uh", "oh",
     "gently", "carefully", "slowly", "quickly", "softly", "immediately", "again", "maybe", "simply", "thanks", "thank you",
     "cheers", "alright", "then", "also", "too", "right now", "for me", "if you can", "if possible", "if you do not mind",
-    "as soon as possible", "very carefully", "really", "finally", "next", "pls", "plz", "buddy",
+    "after that", "after this", "thank you very much", "thank you so much",
+    "thanks a lot", "many thanks", "thanks very much", "as soon as possible", "very carefully", "really", "finally", "next", "pls", "plz", "buddy",
     "my friend", "dear", "there", "quick", "try to", "go ahead and", "i said", "with your gripper", "with the gripper",
     "with care", "sir", "mate", "afterwards", "for us", "somewhere safe", "over there", "right there",
 )  # fmt: skip
 """Words and phrases that change nothing; taken away at the ends of a clause."""
+
+TAGS = ("would you", "will you", "could you", "can you", "would you mind", "right", "okay")
+"""Fillers at the end of a command only: at its beginning they open a request."""
 
 OPENERS = (
     "would you be so kind as to", "be so kind as to", "would you be so kind and", "would you mind", "do you mind", "can i ask you to",

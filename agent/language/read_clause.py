@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 from agent.goal import Goal, Measure, Placement, Reference
 from agent.language import lexicon
@@ -49,8 +50,17 @@ GRIP = re.compile(
 )
 
 
-def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | str:
-    """The goals of one clause, or why it cannot be done.
+@dataclass(frozen=True)
+class AskBack:
+    """The clause is understood but for one thing, which is asked."""
+
+    question: str
+    goal: Goal
+    """What is understood so far."""
+
+
+def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack | str:
+    """The goals of one clause, what to ask back, or why it cannot be done.
 
     Args:
         clause: tokens without openers and fillers.
@@ -109,19 +119,20 @@ def _whole_table(line: str) -> list[Goal] | None:
         reading = read_reference([*what, *spared])
         if reading.contradiction or reading.unknown:
             return None
-        reference = Reference(**{**reading.found, "plural": True, "noun": "everything"})
+        noun = reading.found.get("noun")
+        if noun is None or noun in lexicon.GENERIC:  # "all the cups" are the cups, not everything
+            noun = "everything"
+        reference = Reference(**{**reading.found, "plural": True, "noun": noun})
         return [Goal(kind="clear", reference=reference, placement=Placement(kind="bin"))]
     return None
 
 
-def _sort(rest: list[str]) -> list[Goal] | str:
+def _sort(rest: list[str]) -> list[Goal] | AskBack | str:
     line = " ".join(rest)
     by = SORTED_BY.search(line)
-    measure: Measure | None = None
-    for token in (by["how"] if by else line).split():
-        measure = measure or lexicon.MEASURES.get(mend(token)) or _measure_of(token)
-    if measure is None:
-        return "I can sort by fragility, by size or by weight. By which?"
+    measure = read_measure((by["how"] if by else line).split())
+    if measure is None and by:
+        return "I can sort by fragility, by size or by weight, and by nothing else."
     what = line[: by.start()].split() if by else []
     what = [
         t for t in what if t not in ("out", "up", "them", "it", "from", "left", "to", "right", "in", "a", "row", "line")
@@ -131,7 +142,17 @@ def _sort(rest: list[str]) -> list[Goal] | str:
         return CANNOT_READ
     reference = Reference(**{**reading.found, "plural": True})
     descending = bool(DESCENDING.search(line)) != bool(FROM_RIGHT.search(line))
-    return [Goal(kind="sort", reference=reference, measure=measure, descending=descending)]
+    goal = Goal(kind="sort", reference=reference, measure=measure, descending=descending)
+    return [goal] if measure else AskBack("I can sort by fragility, by size or by weight. By which?", goal)
+
+
+def read_measure(tokens: list[str]) -> Measure | None:
+    """What a sort goes by, or None where no word says it."""
+    for token in tokens:
+        measure = lexicon.MEASURES.get(mend(token)) or _measure_of(token)
+        if measure is not None:
+            return measure
+    return None
 
 
 def _measure_of(token: str) -> Measure | None:
@@ -163,17 +184,19 @@ def _without_grip(tokens: list[str]) -> list[str]:
     return GRIP_OF.sub("the ", line).split()
 
 
-def _place(rest: list[str], default: Placement | None) -> list[Goal] | str:
+def _place(rest: list[str], default: Placement | None) -> list[Goal] | AskBack | str:
     for i, token in enumerate(rest):  # "the cup on the left and the apple on the right"
         if token == "and" and _has_place(rest[:i]) and _has_place(rest[i + 1 :]):
             first, second = _place(rest[:i], default), _place(rest[i + 1 :], default)
-            return first if isinstance(first, str) else second if isinstance(second, str) else [*first, *second]
+            return [*first, *second] if isinstance(first, list) and isinstance(second, list) else CANNOT_READ
     if default is not None and " ".join(rest).find("away from") < 0:
         rest = [t for t in rest if t not in ("away", "down", "aside", "off", "out")]
     thing, placement = read_place(rest)
     placement = placement or default
     if placement is None:
-        return "Where shall I put it? In the bin, on the left, next to something?"
+        got = _each(thing or ["it"], "place", None)
+        where = "Where shall I put it? In the bin, on the left, next to something?"
+        return AskBack(where, got[0]) if isinstance(got, list) and len(got) == 1 and thing else where
     if not thing:
         thing = ["it"]
     return _each(thing, "place", placement)

@@ -11,22 +11,15 @@ import re
 
 from agent.goal import Goal, Reference, Understanding
 from agent.language import lexicon
-from agent.language.asides import without_asides
-from agent.language.clauses import NOT_DO, find_verb, split_clauses, strip_opener, trim
-from agent.language.read_clause import CANNOT_READ, read_clause
+from agent.language.asides import untouchable, without_asides
+from agent.language.clauses import GERUNDS, NOT_DO, find_verb, split_clauses, strip_opener, trim
+from agent.language.read_clause import CANNOT_READ, AskBack, read_clause, read_measure
 from agent.language.read_place import read_place
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
 from agent.language.refusals import refuse
 from agent.language.words import words
 
-GERUNDS = {
-    "handing": "hand", "picking": "pick", "putting": "put", "giving": "give", "passing": "pass", "bringing": "bring",
-    "taking": "take", "grabbing": "grab", "lifting": "lift", "moving": "move", "placing": "place", "clearing": "clear",
-    "sorting": "sort", "getting": "get", "fetching": "fetch", "grasping": "grasp", "holding": "hold", "removing": "remove",
-    "throwing": "throw", "dropping": "drop", "setting": "set", "tidying": "tidy", "cleaning": "clean", "ordering": "order",
-    "arranging": "arrange", "raising": "raise", "collecting": "collect",
-}  # fmt: skip
 OR = re.compile(r"\bor\b")
 NO_OP = re.compile(
     r"^(?:go|come|drive|move|return)(?: back)?(?: to)?(?: (?:home|your (?:home|start) ?(?:position|pose)?|back|rest))+$"
@@ -63,6 +56,8 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         return Understanding(refusal=refusal)
     if OR.search(line) and find_verb(strip_opener(tokens)) is not None:
         return Understanding(question=f"One thing or the other: {line}? Please tell me which.")
+    if untouchable(line):
+        return Understanding(refusal="That contradicts itself: I cannot take a thing without touching it.")
     if pending is not None:
         completed = _complete(tokens, pending)
         if completed is not None:
@@ -71,7 +66,14 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
 
 
 def _complete(tokens: list[str], pending: Goal) -> Understanding | None:
-    """A bare noun phrase answers the question that was asked back: "the red one", "the left one", "the second"."""
+    """A bare phrase answers the question that was asked back: "the red one", "the second", "in the bin", "by size"."""
+    if pending.kind == "place" and pending.placement is None:
+        thing, placement = read_place([t for t in tokens if t not in ("put", "place", "it")])
+        at_all = placement is not None and (not thing or thing == ["it"])
+        return Understanding(goals=(pending.model_copy(update={"placement": placement}),)) if at_all else None
+    if pending.kind == "sort" and pending.measure is None:
+        measure = read_measure(tokens)
+        return Understanding(goals=(pending.model_copy(update={"measure": measure}),)) if measure else None
     if find_verb(strip_opener(tokens)) is not None:
         return None
     if " ".join(tokens) in ("none", "neither", "none of them", "no", "neither of them", "nothing"):
@@ -122,6 +124,8 @@ def _commands(tokens: list[str]) -> Understanding:
         if refusal is not None:
             return Understanding(refusal=refusal)
         got = read_clause(clause, goals)
+        if isinstance(got, AskBack):
+            return Understanding(question=got.question, pending=None if goals else got.goal)
         if isinstance(got, str):
             return Understanding(refusal=got)
         goals += [goal.model_copy(update={"parent": 0}) for goal in got] if before and goals else got
@@ -154,6 +158,8 @@ def _fit(goals: list[Goal], forbidden: list[Reference]) -> Understanding:
             return Understanding(refusal=f"All right: I leave {_the(forbidden[0])} alone. There is nothing else to do.")
         return Understanding(refusal=CANNOT_READ)
     for goal in goals:
+        if goal.placement is not None and _onto_itself(goal.reference, goal.placement.reference):
+            return Understanding(refusal="That contradicts itself: a thing cannot be put beside, on or in itself.")
         for taboo in forbidden:
             if goal.moves and goal.reference is not None and _same(goal.reference, taboo):
                 return Understanding(
@@ -164,6 +170,13 @@ def _fit(goals: list[Goal], forbidden: list[Reference]) -> Understanding:
     if spared:
         goals = [_sparing(goal, spared) if goal.kind in ("clear", "sort") else goal for goal in goals]
     return Understanding(goals=tuple(goals))
+
+
+def _onto_itself(thing: Reference | None, other: Reference | None) -> bool:
+    """Whether the destination is the very thing that is to be moved ("put the cup in the cup")."""
+    if thing is None or other is None or other.other or other.anyone or thing.anyone or thing.plural:
+        return False
+    return (other.words == "itself") or (not thing.pronoun and not other.pronoun and _same(thing, other))
 
 
 def _without_repeats(goals: list[Goal]) -> list[Goal]:

@@ -36,6 +36,7 @@ PATTERNS: tuple[Pattern, ...] = (
         "help", r"help(?: me| please)?", r"what (?:all )?can (?:you|i) (?:do|say|ask)(?: for me| here)?",
         r"what are (?:you able to do|you capable of|your (?:abilities|skills|commands|options))", r"how does this work",
         r"how (?:do|can) i (?:use|talk to|command|control) (?:you|this|it|the robot)", r"(?:show |list )?(?:the )?commands",
+        r"(?:which|what) (?:commands|instructions|sentences|words) (?:do you (?:know|understand|have)|can i (?:use|say|give)|are there)",
         r"who are you", r"what are you", r"instructions", r"usage", r"manual", r"what do you understand",
     ),
     _pattern(
@@ -98,6 +99,7 @@ PATTERNS: tuple[Pattern, ...] = (
     ),
 )  # fmt: skip
 
+STOP = next(pattern.regex for pattern in PATTERNS if pattern.query == "stop")
 WHERE = re.compile(
     r"^(?:(?:can|could|would) you (?:please )?)?(?:tell me |show me )?(?:where (?:is|are|was|did you (?:see|put|leave))|find|locate|"
     r"do you see|can you see|do you have|is there|are there|have you (?:seen|got|found)|where can i find|point (?:at|to)|"
@@ -153,6 +155,8 @@ def read_question(text: str) -> Goal | str | None:
     for pattern in PATTERNS:
         if pattern.regex.match(text):
             return _goal_of(pattern.query, text)
+    if says_stop(text):
+        return Goal(kind="answer", query="stop")
     found = UNDO.match(text)
     if found:
         return _undo(found)
@@ -171,6 +175,15 @@ def read_question(text: str) -> Goal | str | None:
             if goal is not None:
                 return goal
     return None
+
+
+def says_stop(text: str) -> bool:
+    """Whether every piece of "wait, stop" or "no, stop, please" says stop, or says nothing else."""
+    pieces = [piece.strip() for piece in re.split(r"[,.;]", text) if piece.strip()]
+    halts = [bool(STOP.match(piece)) for piece in pieces]
+    return any(halts) and all(
+        h or p in ("no", "please", "hey", "oh", "oh no") for h, p in zip(halts, pieces, strict=True)
+    )
 
 
 def _goal_of(query: Query, text: str) -> Goal | str:
@@ -207,6 +220,8 @@ def _about(found: re.Match[str], query: Query) -> Goal | None:
         if isinstance(side, RelationTo):
             thing = Reference(words=what, noun="thing", relation=side, plural=True)
             return Goal(kind="look", query="near", reference=thing)
+    if query == "properties" and reference.extreme is not None:
+        return Goal(kind="look", query="where", reference=reference)  # "what is the heaviest thing?" asks which one
     if query == "near":
         thing = Reference(
             words=what, noun="thing", relation=RelationTo(relation="near", others=(reference,)), plural=True

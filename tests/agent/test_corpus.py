@@ -1,8 +1,4 @@
-"""The corpus of commands: what each means, in a notation made for reading.
-
-`kind[/query][:measure][:descending] thing[*] qualifiers >destination`, goals separated by " ; ", "*" for plurals, "^0" for
-a sub-goal of goal 0; "refuse" and "ask" for commands that must not move anything.
-"""
+"""The corpora of commands: what each means, in the notation of `agent.language.notation`."""
 
 from __future__ import annotations
 
@@ -12,7 +8,9 @@ import pytest
 
 from agent.brain import Situation
 from agent.brains.rules import RulesBrain
-from agent.goal import Goal, Placement, Reference, RelationTo
+from agent.language.notation import noted
+from bench.language_report import CORPUS as FRESH
+from bench.language_report import measure_commands, measure_references
 
 CORPUS = Path(__file__).parent / "corpus" / "commands.txt"
 ROWS = [
@@ -20,58 +18,9 @@ ROWS = [
 ]
 
 
-def head(reference: Reference) -> str:
-    """The noun, or what stands in its place."""
-    return "it" if reference.pronoun else (reference.noun or reference.colour or "")
-
-
-def related(relation: RelationTo) -> str:
-    """A relation to its first reference."""
-    return f"{relation.relation}({head(relation.others[0])})"
-
-
-def thing(reference: Reference) -> list[str]:
-    """A reference in the notation."""
-    words = [head(reference) + ("*" if reference.plural and not reference.pronoun else "")]
-    words += [
-        f"{key}={value}"
-        for key in ("colour", "material", "shape", "quality", "state", "extreme", "ordinal", "side", "count")
-        if (value := getattr(reference, key)) is not None
-    ]
-    words += [word for word, said in (("other", reference.other), ("any", reference.anyone)) if said]
-    if reference.relation is not None:
-        words.append(related(reference.relation))
-    words += [f"not({head(refused)})" for refused in reference.excluding]
-    return words
-
-
-def destination(placement: Placement) -> str:
-    """A placement in the notation."""
-    if placement.kind == "side":
-        return f">side:{placement.side}"
-    if placement.reference is not None and placement.reference.noun:
-        return f">{placement.kind}:{placement.relation}({head(placement.reference)})"
-    return f">{placement.kind}" + (f":{placement.relation}" if placement.relation else "")
-
-
-def written(goal: Goal) -> str:
-    """A goal in the notation."""
-    first = goal.kind + (f"/{goal.query}" if goal.query else "") + (f":{goal.measure}" if goal.measure else "")
-    words = [first + (":descending" if goal.descending else "")]
-    words += thing(goal.reference) if goal.reference else []
-    words += [f"F={goal.force:g}"] if goal.force else []
-    words += [destination(goal.placement)] if goal.placement else []
-    words += [f"^{goal.parent}"] if goal.parent is not None else []
-    words += ["unknown"] if goal.reference is not None and not goal.reference.known else []
-    return " ".join(words)
-
-
 def meaning(instruction: str) -> str:
     """What the rules brain makes of an instruction, in the notation."""
-    got = RulesBrain().understand(Situation(instruction=instruction))
-    if got.question is not None:
-        return "ask"
-    return "refuse" if got.refusal is not None else " ; ".join(written(goal) for goal in got.goals)
+    return noted(RulesBrain().understand(Situation(instruction=instruction)))
 
 
 @pytest.mark.parametrize(("instruction", "expected"), ROWS, ids=[row[0][:40] for row in ROWS])
@@ -84,3 +33,20 @@ def test_the_corpus_is_large_enough() -> None:
     """At least 300 commands, each once."""
     assert len(ROWS) >= 300
     assert len({row[0] for row in ROWS}) == len(ROWS)
+
+
+def test_the_fresh_corpus_is_understood() -> None:
+    """Commands written before the parser met them: the tuning half is understood to 95 %, the reported half stays above the
+    share that was measured when it was first read (179 of 195)."""
+    tuning, reported = measure_commands(FRESH)
+    assert tuning.right >= 0.95 * tuning.total
+    assert reported.right >= 179
+    assert tuning.total + reported.total >= 300
+
+
+def test_ambiguous_references_are_asked_back() -> None:
+    """What fits several things is asked, what fits one is taken, what fits none is said: in at least 95 % of the cases."""
+    asked, single, absent = measure_references(FRESH.with_name("references.txt"))
+    assert asked.right >= 0.95 * asked.total
+    assert single.right >= 0.95 * single.total
+    assert absent.right == absent.total
