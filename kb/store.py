@@ -23,6 +23,7 @@ from pydantic import ValidationError
 from kb.base import Noun
 from kb.errors import BadInputError, EnvironmentFaultError
 from kb.experience import Experience
+from kb.experience_table import ExperienceTable, make_table
 from kb.taxonomy import taxonomy
 
 _Model = TypeVar("_Model", bound=Noun)
@@ -53,6 +54,7 @@ class ExperienceStore:
         self._path = path
         self._by_id = {entry.id: entry for entry in self._entries}
         self._collection: Any = None
+        self._table: ExperienceTable | None = None
         for entry in self._entries:
             _check(entry, header)
         if len(self._by_id) != len(self._entries):
@@ -174,7 +176,7 @@ class ExperienceStore:
         entries = [*self._entries, entry]
         if self._path is not None:
             write_store(self._path, self._header, entries)
-        self._entries, self._collection = entries, None
+        self._entries, self._collection, self._table = entries, None, None
         self._by_id[entry.id] = entry
 
     def save(self, path: str | Path) -> None:
@@ -195,6 +197,12 @@ class ExperienceStore:
 
             self._collection = open_index(self._entries, self.content_hash())
         return self._collection
+
+    def table(self) -> ExperienceTable:
+        """The scored columns as arrays (made on first use)."""
+        if self._table is None:
+            self._table = make_table(self._entries, self._header.dim)
+        return self._table
 
     def _where(self) -> str | None:
         return None if self._path is None else str(self._path)

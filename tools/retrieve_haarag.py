@@ -5,19 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from kb.affordance import AffordanceDescriptor
 from kb.base import Finite, Noun
 from kb.errors import EnvironmentFaultError
-from kb.experience import Experience, Funnel, Retrieval, RetrievedExperience
+from kb.experience import Funnel, Retrieval, RetrievedExperience
+from kb.experience_table import ExperienceTable
 from kb.taxonomy import Taxonomy, taxonomy
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from kb.store import ExperienceStore
     from tools.context import ToolContext
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
 
 K1 = 30
 """Entries that survive level 1 (Sec. III-A)."""
@@ -33,6 +37,9 @@ W_CATEGORY, W_AFFORDANCE, W_VISUAL = 0.2, 0.4, 0.4
 """Weights of the fusion (Sec. III-A)."""
 PENALTY = 0.7
 """Factor on failed entries: "scores reduced by 30 %" (Sec. III-A)."""
+
+FEW, ROUGH = 500, 1e-5
+"""More rows than the first are sieved by rough scores, whose error is below the second."""
 
 
 class RetrieveArgs(Noun):
@@ -69,13 +76,13 @@ def retrieve_haarag(args: RetrieveArgs, context: ToolContext) -> Retrieval:
         return Retrieval(top=(), funnel=Funnel(total=len(store), level1=0, level2=0, level3=0, fallback=False))
     if args.embedding and context.embedder is not None:
         store.require_embedder(context.embedder.name)
-    admitted, fallback = level_1(args, store, taxonomy(), strict=context.switches.strict_l1)
+    admitted, s_cat, fallback = level_1(args, store, taxonomy(), strict=context.switches.strict_l1)
     if context.switches.retrieval == "random_in_category":
-        return _random(admitted, args.k, len(store), fallback, context.rng)
-    scored = [item for item in admitted if item.s_aff >= TAU_AFFORDANCE - TAU_GUARD]
-    ranked = rank(scored, args.affordance)
+        return _random(scored(args, store, admitted, s_cat), args.k, len(store), fallback, context.rng)
+    fitting = admitted[affordance_scores(args.affordance, store.table(), admitted) >= TAU_AFFORDANCE - TAU_GUARD]
+    ranked = rank(scored(args, store, promising(args, store, fitting, s_cat), s_cat), args.affordance)
     top = choose(ranked, args.k)
-    funnel = Funnel(total=len(store), level1=len(admitted), level2=len(scored), level3=len(top), fallback=fallback)
+    funnel = Funnel(total=len(store), level1=len(admitted), level2=len(fitting), level3=len(top), fallback=fallback)
     return Retrieval(top=top, avoid=_avoid(ranked, args), funnel=funnel)
 
 
@@ -96,26 +103,86 @@ def fused_score(s_cat: float, s_aff: float, s_vis: float, *, success: bool) -> f
 
 def level_1(
     args: RetrieveArgs, store: ExperienceStore, categories: Taxonomy, *, strict: bool
-) -> tuple[list[RetrievedExperience], bool]:
-    """Entries admitted by category, at most K1, best first, with all their scores; and whether the fallback was needed.
+) -> tuple[Rows, Array, bool]:
+    """Rows admitted by category with their s_cat, at most K1 of them; and whether the fallback was needed.
 
     Among equal category scores those with the highest s_aff stay, then s_vis, then the smaller id (ledger G14c).
     """
-    query = store.check_query(args.embedding) if args.embedding else None
-    known = {entry.category for entry in store.all()}
-    related = [name for name in sorted(known) if categories.s_cat(args.category, name) > 0.0]
+    table = store.table()
+    s_cat = np.array([categories.s_cat(args.category, name) for name in table.categories])[table.category]
+    related = np.flatnonzero(s_cat > 0.0)
+    if len(related) < FEWEST and not strict:
+        return np.arange(len(table)), s_cat, True
+    related = _sieved(args, store, related, s_cat)
+    s_aff, s_vis = affordance_scores(args.affordance, table, related), visual_scores(args, store, related)
+    order = np.lexsort((table.id_rank[related], -s_vis, -s_aff, -s_cat[related]))[:K1]
+    return related[order], s_cat, False
 
-    def scored(entry: Experience) -> RetrievedExperience:
-        s_cat = categories.s_cat(args.category, entry.category)
-        s_aff = affordance_similarity(args.affordance, entry.affordance)
-        s_vis = 0.0 if query is None else max(0.0, store.cosine(query, entry.id))
-        score = fused_score(s_cat, s_aff, s_vis, success=entry.success)
-        return RetrievedExperience(experience=entry, s_cat=s_cat, s_aff=s_aff, s_vis=s_vis, score=score)
 
-    survivors = sorted((scored(entry) for entry in store.by_category(*related)), key=_level_1_order)[:K1]
-    if len(survivors) >= FEWEST or strict:
-        return survivors, False
-    return sorted((scored(entry) for entry in store.all()), key=_level_1_order), True
+def _sieved(args: RetrieveArgs, store: ExperienceStore, related: Rows, s_cat: Array) -> Rows:
+    """Of very many rows those that can be among the K1 best of level 1."""
+    if len(related) <= FEW:
+        return related
+    table = store.table()
+    # s_aff is at most 1 and the steps of s_cat count 2 here: category first.
+    key = 4.0 * s_cat[related] + affordance_scores(args.affordance, table, related)
+    last = np.partition(key, -K1)[-K1]
+    sure, tied = np.flatnonzero(key > last + TAU_GUARD), np.flatnonzero(np.abs(key - last) <= TAU_GUARD)
+    needed = K1 - len(sure)
+    if args.embedding and 0 < needed < len(tied):
+        rough = np.maximum(0.0, table.rough_cosines(store.check_query(args.embedding))[related[tied]])
+        tied = tied[rough >= np.partition(rough, -needed)[-needed] - ROUGH]
+    return related[np.concatenate([sure, tied])]
+
+
+def affordance_scores(affordance: AffordanceDescriptor, table: ExperienceTable, rows: Rows) -> Array:
+    """s_aff of Eq. (1) of these rows, in [0, 1]."""
+    type_, material, region, fragility = table.matches(affordance, rows)
+    return W_TYPE * type_ + W_MATERIAL * material + W_FRAGILITY * fragility + W_REGION * region
+
+
+def visual_scores(args: RetrieveArgs, store: ExperienceStore, rows: Rows) -> Array:
+    """s_vis of these rows, in [0, 1]; 0 without a picture."""
+    if not args.embedding:
+        return np.zeros(len(rows))
+    return np.maximum(0.0, store.table().cosines(store.check_query(args.embedding), rows))
+
+
+def scored(args: RetrieveArgs, store: ExperienceStore, rows: Rows, s_cat: Array) -> list[RetrievedExperience]:
+    """These rows with the exact scores of all levels."""
+    table = store.table()
+    s_aff, s_vis = affordance_scores(args.affordance, table, rows), visual_scores(args, store, rows)
+    found: list[RetrievedExperience] = []
+    places: list[int] = rows.tolist()
+    for place, aff, vis in zip(places, s_aff.tolist(), s_vis.tolist(), strict=True):
+        entry, cat = table.entries[place], float(s_cat[place])
+        score = fused_score(cat, aff, vis, success=entry.success)
+        found.append(RetrievedExperience(experience=entry, s_cat=cat, s_aff=aff, s_vis=vis, score=score))
+    return found
+
+
+def promising(args: RetrieveArgs, store: ExperienceStore, rows: Rows, s_cat: Array) -> Rows:
+    """Of many rows those that can be among the k best, the best success of the type, or the k best failures.
+
+    One rough matrix product scores all of them; whatever is within its error of the k-th best stays, so that the exact
+    scores of the rest give the same answer as those of all.
+    """
+    if len(rows) <= FEW:
+        return rows
+    table = store.table()
+    rough = np.zeros(len(rows))
+    if args.embedding:
+        rough = np.maximum(0.0, table.rough_cosines(store.check_query(args.embedding))[rows])
+    s_aff, success = affordance_scores(args.affordance, table, rows), table.success[rows]
+    score = (W_CATEGORY * s_cat[rows] + W_AFFORDANCE * s_aff + W_VISUAL * rough) * np.where(success, 1.0, PENALTY)
+    same = table.type[rows] == table.code(args.affordance.type)
+    kept = np.zeros(len(rows), np.bool_)
+    for group in (np.ones(len(rows), np.bool_), success, success & same, ~success & same):
+        inside = np.flatnonzero(group)
+        if len(inside) > args.k:
+            inside = inside[score[inside] >= np.partition(score[inside], -args.k)[-args.k] - ROUGH]
+        kept[inside] = True
+    return rows[kept]
 
 
 def rank(items: Sequence[RetrievedExperience], affordance: AffordanceDescriptor) -> list[RetrievedExperience]:
@@ -160,10 +227,6 @@ def _random(
 
 def _same_type(item: RetrievedExperience, affordance: AffordanceDescriptor) -> bool:
     return item.experience.affordance.type == affordance.type
-
-
-def _level_1_order(item: RetrievedExperience) -> tuple[float, float, float, str]:
-    return (-item.s_cat, -item.s_aff, -item.s_vis, item.experience.id)
 
 
 def _final_order(item: RetrievedExperience) -> tuple[float, float, float, str]:
