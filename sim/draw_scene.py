@@ -14,10 +14,11 @@ import numpy as np
 
 from kb.errors import BadInputError
 from sim.cameras import draw_cameras
-from sim.catalogue import FRICTION, MODELS
+from sim.catalogue import FRICTION
 from sim.footprint import outline
 from sim.objects import bin as bin_shape
 from sim.objects.form import quaternion_about
+from sim.ood_catalogue import any_model
 from sim.own_object import check_extents, own_object
 from sim.particles import contained, fill
 from sim.placed import PlacedObject, PlacedScene, RequiredConstraint, Task
@@ -89,7 +90,7 @@ def draw_object(entry: ObjectSpec, spec: SceneSpec, rng: np.random.Generator) ->
             friction_factor=1 + spread.friction * friction,
             rng=rng,
         )
-    chosen = MODELS[entry.model]
+    chosen = any_model(entry.model)
     scale = entry.scale * (1 + spread.size * _truncated(size, spread, chosen.largest))
     nominal_friction = FRICTION[chosen.affordance.material] if entry.friction is None else entry.friction
     if not chosen.fixed:

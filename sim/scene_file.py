@@ -10,10 +10,11 @@ import yaml
 from pydantic import ValidationError
 
 from kb.errors import BadInputError
-from sim.catalogue import MODELS, model
+from sim.ood_catalogue import ALL_MODELS, any_model
 from sim.own_object import check_files
 from sim.scene_spec import ObjectSpec, SceneSpec, Source, TaskSpec
 from sim.tasks.clutter import PREFIX, clutter_scene, clutter_scenes
+from sim.tasks.ood import ood_scene, ood_scenes
 
 MAX_BYTES = 1_000_000
 """Largest scene file [bytes]; a scene of forty objects has a few thousand."""
@@ -43,6 +44,8 @@ def load_scene(name_or_path: str) -> SceneSpec:
         return _parse(text, name_or_path, None)
     if name_or_path in clutter_scenes():
         return clutter_scene(name_or_path.removeprefix(PREFIX))
+    if name_or_path in ood_scenes():
+        return ood_scene(name_or_path)
     looks_like_file = name_or_path.lower().endswith(SUFFIXES) or "/" in name_or_path
     path = Path(name_or_path)
     if not looks_like_file and not path.is_file():
@@ -174,10 +177,10 @@ def _check_references(spec: SceneSpec) -> None:
             raise BadInputError("its id stands twice", where=where)
         ids.add(thing.id)
         if thing.model is not None:
-            if thing.model not in MODELS:
-                raise BadInputError(f"there is no model {thing.model!r}", where=where, choices=MODELS)
-            if thing.state == "filled" and model(thing.model).form().cavity is None:
-                hollow = [name for name, entry in MODELS.items() if entry.form().cavity is not None]
+            if thing.model not in ALL_MODELS:
+                raise BadInputError(f"there is no model {thing.model!r}", where=where, choices=ALL_MODELS)
+            if thing.state == "filled" and any_model(thing.model).form().cavity is None:
+                hollow = [name for name, entry in ALL_MODELS.items() if entry.form().cavity is not None]
                 raise BadInputError(f"{thing.model!r} cannot be filled", where=where, choices=hollow)
         else:
             if thing.state == "filled":

@@ -23,10 +23,11 @@ def objects(
         return
     print_table(
         make_console(),
-        ("model", "category", "affordance", "material", "fragility", "region", "size mm", "mass g"),
+        ("model", "group", "category", "affordance", "material", "fragility", "region", "size mm", "mass g"),
         [
             (
                 row["model"],
+                row["group"],
                 row["category"],
                 row["affordance"],
                 row["material"],

@@ -13,7 +13,7 @@ import pytest
 from app.command_line import run_command_line
 from app.schemas import TOOL_NAMES
 from kb.run_result import RunResult
-from sim.catalogue import MODELS
+from sim.ood_catalogue import ALL_MODELS
 from sim.scene_file import builtin_scenes
 
 
@@ -71,9 +71,9 @@ def test_a_scene_is_described_with_its_numbers(capsys: pytest.CaptureFixture[str
 def test_objects_lists_the_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
     """Every model with plausible nominal numbers, as a table and as JSON."""
     rows = json.loads(output(capsys, "objects", "--json"))
-    assert [row["model"] for row in rows] == list(MODELS)
+    assert [row["model"] for row in rows] == list(ALL_MODELS)
     assert all(0 < side < 1.0 for row in rows for side in row["size_m"])
-    assert len(output(capsys, "objects").splitlines()) == len(MODELS) + 1
+    assert len(output(capsys, "objects").splitlines()) == len(ALL_MODELS) + 1
 
 
 def test_tools_prints_valid_schemas(capsys: pytest.CaptureFixture[str]) -> None:

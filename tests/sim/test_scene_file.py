@@ -74,7 +74,7 @@ def test_built_in_tasks_are_complete(name: str) -> None:
         ("name: t\nobjects: []\n", 2, "at least 1 item"),
         (entry("{model: apple}"), 3, "'id' is missing"),
         (entry("{id: a, model: apple, colr: red}"), 3, "unknown key 'colr'"),
-        (entry("{id: a, model: teapot}"), 3, "no model 'teapot'"),
+        (entry("{id: a, model: samovar}"), 3, "no model 'samovar'"),
         (entry("{id: a}"), 3, "exactly one of model, mesh and mjcf"),
         (entry("{id: a, model: apple, mesh: x.obj}"), 3, "exactly one of model, mesh and mjcf"),
         (entry("{id: a, model: apple, mass: 0}"), 3, "greater than 0"),
