@@ -97,6 +97,11 @@ CONFIGURATIONS: dict[str, Configuration] = {
             says="a random experience of the category instead of the best",
         ),
         Configuration(
+            name="full_blind",
+            switches=Switches(taxonomy="blind"),
+            says="everything, with a taxonomy that has no name of the far out-of-distribution objects",
+        ),
+        Configuration(
             name="geometry_only",
             switches=Switches(retrieval="none", prior="geometry", memory=False),
             says="antipodal geometry alone, no prior on region, type or force",

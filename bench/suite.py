@@ -11,7 +11,7 @@ from typing import Literal, get_args
 from kb.base import Noun
 from kb.errors import BadInputError
 
-SuiteName = Literal["tasks", "clutter"]
+SuiteName = Literal["tasks", "clutter", "ood"]
 SUITES: tuple[SuiteName, ...] = get_args(SuiteName)
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -32,14 +32,14 @@ class BenchTask(Noun):
 
     name: str
     suite: str
-    """Suite as it stands in a row: "tasks", "supplementary" or "clutter"."""
+    """Suite as it stands in a row: "tasks", "supplementary", "clutter", "ood_in_dist", "ood_near" or "ood_far"."""
 
 
 def tasks_of(suite: str, names: Iterable[str] | None = None) -> tuple[BenchTask, ...]:
-    """The tasks named, or the suite's default ones: the twelve, or all targets of the clutter.
+    """The tasks named, or the suite's default ones: the twelve, all targets of the clutter, or all single objects.
 
     Args:
-        suite: "tasks" or "clutter".
+        suite: "tasks", "clutter" or "ood" (one object alone: known, or near or far out of distribution).
         names: task names and names of groups, in any order; doubles are dropped.
 
     Raises:
@@ -47,20 +47,28 @@ def tasks_of(suite: str, names: Iterable[str] | None = None) -> tuple[BenchTask,
     """
     if suite not in SUITES:
         raise BadInputError(f'unknown suite "{suite}"', where="--suite", choices=SUITES)
-    known = _known(suite)
+    known, groups = _known(suite), _groups(suite)
     default = TWELVE if suite == "tasks" else tuple(known)
     wanted: list[str] = []
     for name in default if names is None else names:
-        if name in GROUPS and suite == "tasks":
-            wanted += GROUPS[name]
+        if name in groups:
+            wanted += groups[name]
         elif name in known:
             wanted.append(name)
         else:
-            choices = (*known, *(GROUPS if suite == "tasks" else ()))
-            raise BadInputError(f'unknown task "{name}"', where="--tasks", choices=choices)
+            raise BadInputError(f'unknown task "{name}"', where="--tasks", choices=(*known, *groups))
     if not wanted:
         raise BadInputError("it names no task", where="--tasks", choices=tuple(known))
     return tuple(known[name] for name in dict.fromkeys(wanted))
+
+
+def _groups(suite: str) -> dict[str, tuple[str, ...]]:
+    """Groups of task names by which `--tasks` may name them."""
+    if suite == "ood":
+        from sim.tasks.ood import ood_groups
+
+        return ood_groups()
+    return GROUPS if suite == "tasks" else {}
 
 
 def _known(suite: str) -> dict[str, BenchTask]:
@@ -69,6 +77,9 @@ def _known(suite: str) -> dict[str, BenchTask]:
         from sim.tasks.clutter import clutter_scenes
 
         return {name: BenchTask(name=name, suite="clutter") for name in clutter_scenes()}
+    if suite == "ood":
+        groups = _groups(suite).items()
+        return {name: BenchTask(name=name, suite=f"ood_{group}") for group, names in groups for name in names}
     return {
         name: BenchTask(name=name, suite="supplementary" if group == "supplementary" else "tasks")
         for group, names in GROUPS.items()

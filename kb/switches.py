@@ -27,6 +27,8 @@ class Switches(Noun):
     """Index of the correction level (ledger G19)."""
     strict_l1: bool = False
     """Discard unrelated categories without the fallback (ledger G14b)."""
+    taxonomy: Literal["known", "blind"] = "known"
+    """Superclasses that level 1 knows; "blind": without the names of the far out-of-distribution objects."""
     diagnosis: Literal["observable", "oracle_phi"] = "observable"
     """Source of the failure type (ledger G41)."""
     scope: Literal["trial", "session"] = "trial"

@@ -76,7 +76,9 @@ def retrieve_haarag(args: RetrieveArgs, context: ToolContext) -> Retrieval:
         return Retrieval(top=(), funnel=Funnel(total=len(store), level1=0, level2=0, level3=0, fallback=False))
     if args.embedding and context.embedder is not None:
         store.require_embedder(context.embedder.name)
-    admitted, s_cat, fallback = level_1(args, store, taxonomy(), strict=context.switches.strict_l1)
+    admitted, s_cat, fallback = level_1(
+        args, store, taxonomy(context.switches.taxonomy), strict=context.switches.strict_l1
+    )
     if context.switches.retrieval == "random_in_category":
         return _random(scored(args, store, admitted, s_cat), args.k, len(store), fallback, context.rng)
     fitting = admitted[affordance_scores(args.affordance, store.table(), admitted) >= TAU_AFFORDANCE - TAU_GUARD]

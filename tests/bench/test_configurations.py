@@ -44,6 +44,7 @@ DIFFERENCES: dict[str, dict[str, Any]] = {
         "geometric_candidates": False, "clearance": False,
     },
     "random_in_category": {"retrieval": "random_in_category"},
+    "full_blind": {"taxonomy": "blind"},
     "geometry_only": {"retrieval": "none", "prior": "geometry", "memory": False},
     "oracle_perception": {},
     "oracle_phi": {"diagnosis": "oracle_phi"},
