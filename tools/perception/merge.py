@@ -35,6 +35,9 @@ HANGING = 0.012
 """A piece whose lowest point is higher than this above its support hangs [m]."""
 
 
+BETTER_ALONE = 0.4
+"""What carries something is taken for a thing of its own if it fits a category better than with its load by this."""
+
 SURE = 0.9
 """Novelty (log) up to which what stands on something is taken for a thing of its own."""
 
@@ -176,12 +179,15 @@ class Merger:
                 return -1.0
             if one.under in group and one.known and two.known:
                 return -1.0
+            if one.under in group and two.known and two.judgement.distance < SURE:
+                both = self._together(groups, i, j)
+                if two.judgement.distance < both.judgement.distance - BETTER_ALONE:
+                    return -1.0  # a bowl with an apple in it still looks somewhat like a bowl
         pairs = {(min(a, b), max(a, b)) for a in groups[i] for b in groups[j]}
         if not (pairs & self._facts.look.pieces.links.keys() or pairs & self._facts.hung or pairs & self._facts.same):
             return -1.0
         first, second = self._candidate(groups[i], groups), self._candidate(groups[j], groups)
-        rest = [group for k, group in enumerate(groups) if k not in (i, j)]
-        both = self._candidate(tuple(sorted(groups[i] + groups[j])), rest)
+        both = self._together(groups, i, j)
         gain = first.cost + second.cost - both.cost
         if min(first.measured.lost, second.measured.lost) > CLEAR_LOSS:
             return gain + 1.5  # what is seen through glass colours it unevenly
@@ -195,6 +201,11 @@ class Merger:
         if both.known and first.known and second.known and not crumb:
             return -1.0  # a cube beside a block may look like a box, but each is something by itself
         return gain
+
+    def _together(self, groups: list[tuple[int, ...]], i: int, j: int) -> Candidate:
+        """Two of the groups read as one object."""
+        rest = [group for k, group in enumerate(groups) if k not in (i, j)]
+        return self._candidate(tuple(sorted(groups[i] + groups[j])), rest)
 
     def _alike(self, one: tuple[int, ...], two: tuple[int, ...]) -> bool:
         """Two pieces of these groups that touch have the same colour."""
@@ -222,7 +233,7 @@ class Merger:
             measured = measure(blob, support, load)
             judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
-            lowest = float(self._facts.span(group).low[2])
+            lowest = self._facts.span(group).foot
             hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
             strange = UNKNOWN_COST * unknown * (1.0 if carried is None else COVERED_COST)
             cost = OBJECT_COST + strange + HANGING_COST * hangs
@@ -253,6 +264,8 @@ class Merger:
                 return other[0], float(np.partition(z, min(5, len(z) - 1))[min(5, len(z) - 1)]) - NESTED_BASE
             below = self._facts.span(other)
             top = below.top
+            if below.from_top < HIDDEN:
+                below = below.mirrored((mine.low + mine.high)[:2] / 2.0)
             if top < THINNEST:
                 continue
             if below.from_top < HIDDEN and top < lowest < top + HIDDEN_TOP:

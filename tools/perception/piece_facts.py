@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 LOOKS_OUT, NESTED_BASE = 0.008, 0.002
 """What stands in a bowl reaches this far above its rim and below it [m], and this far below its lowest seen points."""
 
+FOOT_POINTS = 25
+"""What this many points of a piece reach down to is where it ends: its front may hide behind something nearer."""
+
 
 @dataclass(frozen=True)
 class Span:
@@ -31,6 +34,14 @@ class Span:
     """Height of its top, should something stand on it [m]."""
     from_top: float
     """Share of the points that the top camera sees."""
+    foot: float
+    """Height that its `FOOT_POINTS` lowest points reach down to [m]."""
+
+    def mirrored(self, about: Array) -> Span:
+        """The extents of what carries something: its back is as far from the load's middle (2,) [m] as its front."""
+        low, high = self.low.copy(), self.high.copy()
+        low[:2], high[:2] = np.minimum(low[:2], 2 * about - high[:2]), np.maximum(high[:2], 2 * about - low[:2])
+        return replace(self, low=low, high=high)
 
 
 class PieceFacts:
@@ -54,7 +65,8 @@ class PieceFacts:
             ordered = np.sort(blob.xyz, axis=0)
             count = len(ordered)
             low, high = ordered[int(0.02 * (count - 1))], ordered[int(np.ceil(0.98 * (count - 1)))]
-            self._spans[group] = Span(low, high, covered_top(blob), float(blob.from_top.mean()))
+            foot = float(ordered[min(FOOT_POINTS, int(0.02 * (count - 1))), 2])
+            self._spans[group] = Span(low, high, covered_top(blob), float(blob.from_top.mean()), foot)
         return self._spans[group]
 
     def same_hue(self, a: int, b: int) -> bool:
