@@ -133,3 +133,5 @@ class Plan(Noun):
     """Reason -> number of candidates rejected for it."""
     alternatives: tuple[tuple[Grasp, float, str], ...] = ()
     """Other feasible candidates: grasp, score, name."""
+    score: Finite | None = None
+    """The planner's score of this candidate, comparable with those of `alternatives`."""

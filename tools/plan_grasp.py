@@ -225,6 +225,7 @@ def _plan(
         local_width=candidate.width,
         rejected=dict(sorted(search.rejected.items())),
         alternatives=tuple((other.grasp, round(other.score, 4), other.item.candidate.name) for other, _ in others),
+        score=round(ranked.score, 4),
     )
 
 
