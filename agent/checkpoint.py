@@ -16,6 +16,7 @@ TYPES: tuple[tuple[str, str], ...] = (
     ("kb.constraint", "Constraints"),
     ("kb.experience", "Retrieval"),
     ("kb.percept", "Percept"),
+    ("kb.run_result", "ModelUse"),
     ("kb.scene_graph", "SceneGraph"),
     ("kb.sensing", "CameraEvidence"),
     ("kb.sensing", "Correction"),

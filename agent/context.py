@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from agent.brain import Brain
+from agent.brains.rules import RulesBrain
 from agent.draws import draws
 from agent.events import BaseStep
+from agent.safety.limits import BrainLimits
 from agent.world_handle import WatchedRobot, WorldHandle
 from kb.percept import PerceivedObject
 from kb.switches import Switches
@@ -38,8 +40,18 @@ class AgentContext:
     emit: Callable[[BaseStep], None] = field(default=lambda _step: None)
     """Told every step as it happens."""
     clock: Callable[[], float] = time.perf_counter
+    rules: Brain = field(default_factory=RulesBrain)
+    """Decides where another brain's word does not count."""
+    limits: BrainLimits = field(default_factory=BrainLimits)
+    names_objects: bool = False
+    """The brain names what is seen (`--perception vlm`)."""
     oracle_failure: Callable[[int, PerceivedObject], FailureType | None] | None = None
     """Only for the configuration `oracle_phi`: the evaluator's own label of a motion."""
+
+    @property
+    def guarded(self) -> bool:
+        """Whether the brain's words pass the gate: all but those of the rules."""
+        return not isinstance(self.brain, RulesBrain)
 
     @property
     def switches(self) -> Switches:
@@ -62,6 +74,11 @@ class AgentContext:
     def pictures(self) -> tuple[str, ...]:
         """Content hashes of the last look's pictures."""
         return self.tools.robot.hashes() if isinstance(self.tools.robot, WatchedRobot) else ()
+
+    @property
+    def views(self) -> tuple[Any, ...]:
+        """The last look's pictures, while this process has them."""
+        return self.tools.robot.views if isinstance(self.tools.robot, WatchedRobot) else ()
 
     @property
     def stopped(self) -> bool:

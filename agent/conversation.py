@@ -106,7 +106,7 @@ class Agent:
             raise BadInputError("this agent is busy with another instruction", where="run")
         try:
             start = self.context.clock()
-            entry: Any = None if self.interrupted == text else {"instruction": text, "times": {}}
+            entry: Any = None if self.interrupted == text else {"instruction": text, "times": {}, "use": None}
             while entry is not False:
                 yield from self.steps(entry)
                 entry = yield from self._decide()

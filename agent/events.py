@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from agent.brain import Exchange
 from agent.goal import Goal
 from kb.base import Noun
 from kb.constraint import Constraints
@@ -16,6 +17,7 @@ from kb.experience import Retrieval
 from kb.percept import Percept
 from kb.run_result import Level
 from kb.scene_graph import SceneGraph
+from kb.seen import Seen
 from kb.sensing import Correction, Plan, Sensing
 from kb.vocabulary import FailureType
 
@@ -136,6 +138,40 @@ class Remembered(BaseStep):
     category: str
 
 
+class ModelCall(BaseStep):
+    """A prompt to a language model and its reply, whole, for the record."""
+
+    kind: Literal["model_call"] = "model_call"
+    exchange: Exchange
+
+
+class Refused(BaseStep):
+    """A reply that did not pass the gate; the model is told why."""
+
+    kind: Literal["refused"] = "refused"
+    role: str
+    reason: str
+    count: int = 1
+    """How many replies to this question were refused so far."""
+
+
+class Fallback(BaseStep):
+    """The rules decide in the model's place."""
+
+    kind: Literal["fallback"] = "fallback"
+    role: str
+    reason: str
+
+
+class Named(BaseStep):
+    """What a model said about the picture, joined with what was measured."""
+
+    kind: Literal["named"] = "named"
+    seen: Seen
+    dropped: tuple[str, ...] = ()
+    """What measuring contradicts, in words."""
+
+
 class SubGoal(BaseStep):
     """Something else has to be done first."""
 
@@ -171,6 +207,10 @@ Step = Annotated[
     | Observation
     | Reflection
     | Remembered
+    | ModelCall
+    | Refused
+    | Fallback
+    | Named
     | SubGoal
     | Question
     | Answer,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from langgraph.runtime import Runtime
 from langgraph.types import interrupt
 
@@ -15,8 +17,10 @@ from agent.episode import history, with_success
 from agent.ladder import budget, irreversible, level_of
 from agent.nodes import look, situation
 from agent.placing import place_args, put_back_args
+from agent.safety.consult import Consultation
+from agent.safety.gate import judged_reflection
 from agent.state import State, Update, merged
-from kb.sensing import Evidence
+from kb.sensing import Correction, Evidence
 from tools.classify_failure import ClassifyArgs, classify_failure
 from tools.correct_grasp import CorrectArgs, correct_grasp
 from tools.execute_grasp import ExecuteArgs, execute_grasp
@@ -152,6 +156,7 @@ def reflect(state: State, runtime: Run) -> Update:
             held = Held(plan=last.plan, object=last.target, category=last.target.category, motion=last.motion)
         return merged(Update(held=held), finish(state, claimed=False, note=why))
     level, offered = level_of(len(tries), context.switches), None
+    allowed: tuple[Correction, ...] = ()
     if context.switches.diagnosis_used:
         args = CorrectArgs(
             failure=last.failure or "UNKNOWN",
@@ -164,14 +169,35 @@ def reflect(state: State, runtime: Run) -> Update:
         )
         with context.timed("brain", times):
             offered = correct_grasp(args, context.tool("correct", last.number))
+            allowed = allowed_corrections(args, offered, context) if context.guarded else (offered,)
+    facts = replace(situation(state, context), allowed=allowed)
     with context.timed("brain", times):
-        reflected = context.brain.reflect(situation(state, context), offered)
+        decided = Consultation(
+            "reflect",
+            state,
+            context,
+            facts,
+            lambda brain, facts: judged_reflection(brain.reflect(facts, offered), facts),
+        ).decide()
+    reflected = decided.value
+    if reflected.correction is not None:
+        level = reflected.correction.level
     context.emit(
         events.Reflection(text=reflected.text, goal=state.current, correction=reflected.correction, level=level)
     )
     if reflected.give_up:
-        return merged(Update(times=times), finish(state, claimed=False, note=reflected.text))
-    return Update(correction=reflected.correction, level=level, times=times)
+        over = finish(state, claimed=False, note=reflected.text)
+        return merged(Update(times=times, use=decided.use), over)
+    return Update(correction=reflected.correction, level=level, times=times, use=decided.use)
+
+
+def allowed_corrections(args: CorrectArgs, offered: Correction, context: AgentContext) -> tuple[Correction, ...]:
+    """The corrections that a brain may choose from: the one of this level, and those of the levels above it."""
+    higher = [
+        correct_grasp(args.model_copy(update={"level": level}), context.tool("correct higher", level))
+        for level in range(args.level + 1, 4)
+    ]
+    return (offered, *higher)
 
 
 def remember(state: State, runtime: Run) -> Update:

@@ -6,21 +6,31 @@ goes next is `agent.routing`'s business. No node sees the observer.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from langchain_core.messages import AIMessage, HumanMessage
 from langgraph.runtime import Runtime
 
 from agent import agenda, events, phrases
 from agent.agenda import finish, push
-from agent.brain import Situation
+from agent.brain import Brain, Deliberation, Situation, Spoken
 from agent.context import AgentContext
 from agent.episode import recalled
+from agent.goal import Understanding
 from agent.ground import ground_goals
 from agent.known_things import found_again, without_held
+from agent.safety.consult import Consultation
+from agent.safety.gate import judged_answer, judged_names, judged_thought, judged_understanding
 from agent.state import State, Update, merged
 from kb.constraint import Constraints
+from kb.percept import Percept
+from kb.run_result import ModelUse
+from kb.sensing import Plan
 from memory import EpisodicMemory
 from tools.build_scene_graph import SceneGraphArgs, build_scene_graph
+from tools.choose_grasp import Choice, ChooseArgs, choose_grasp
 from tools.infer_constraints import ConstraintArgs, infer_constraints
+from tools.name_objects import NameArgs, name_objects
 from tools.perceive import PerceiveArgs, perceive
 from tools.plan_grasp import PlanArgs, plan_grasp
 from tools.planning.remembered import RememberedGrasp
@@ -51,6 +61,7 @@ def situation(state: State, context: AgentContext) -> Situation:
         plan_reason=state.plan_reason,
         dry_run=context.dry_run,
         stopped=context.stopped,
+        views=context.views,
     )
 
 
@@ -59,7 +70,7 @@ def understand(state: State, runtime: Run) -> Update:
     context, times = runtime.context, dict[str, float]()
     turn = state.turn + 1
     with context.timed("brain", times):
-        got = context.brain.understand(situation(state, context))
+        got, use = understood(state, context)
     said = HumanMessage(state.instruction, id=f"turn-{turn}-person")
     context.emit(events.Understood(text=phrases.understood(got), goals=got.goals))
     return merged(
@@ -82,9 +93,21 @@ def understand(state: State, runtime: Run) -> Update:
             constraints=Constraints(),
             memory=context.start_memory or EpisodicMemory(),
             times=times,
+            use=use,
         ),
         agenda.fresh(),
     )
+
+
+def understood(state: State, context: AgentContext) -> tuple[Understanding, ModelUse]:
+    """The brain's reading of the instruction, if it counts, and the model's part in it."""
+
+    def ask(brain: Brain, facts: Situation) -> Understanding:
+        got = brain.understand(facts)
+        return got if brain is context.rules else judged_understanding(got, facts)
+
+    decided = Consultation("understand", state, context, situation(state, context), ask).decide()
+    return decided.value, decided.use
 
 
 def look(state: State, runtime: Run) -> Update:
@@ -94,10 +117,25 @@ def look(state: State, runtime: Run) -> Update:
     args = PerceiveArgs(look=state.looks, previous=state.percept, nouns=phrases.nouns(state.goals))
     with context.timed("perception", times):
         percept = perceive(args, context.tool("look", state.looks))
-    pictures = context.pictures()
+    pictures, use = context.pictures(), ModelUse()
     percept = found_again(without_held(percept, state.held), state.percept, state.moved)
+    if context.names_objects and percept.objects:
+        percept, use = named(percept, state, context, times)
     context.emit(events.Look(text=phrases.seen(percept), goal=state.current, percept=percept, pictures=pictures))
-    return Update(percept=percept, stale=False, looks=state.looks + 1, pictures=pictures, times=times)
+    return Update(percept=percept, stale=False, looks=state.looks + 1, pictures=pictures, times=times, use=use)
+
+
+def named(percept: Percept, state: State, context: AgentContext, times: dict[str, float]) -> tuple[Percept, ModelUse]:
+    """The percept with the names that the brain gives and measuring allows, and the model's part in it."""
+    facts = replace(situation(state, context), percept=percept)
+    with context.timed("perception", times):
+        decided = Consultation(
+            "perceive", state, context, facts, lambda brain, facts: judged_names(brain.perceive(facts), facts)
+        ).decide()
+        joined = name_objects(NameArgs(percept=percept, seen=decided.value), context.tools)
+    text = phrases.named(len(decided.value.objects), joined.dropped)
+    context.emit(events.Named(text=text, goal=state.current, seen=decided.value, dropped=joined.dropped))
+    return joined.percept, decided.use.plus(ModelUse(contradictions=len(joined.dropped)))
 
 
 def ground(state: State, runtime: Run) -> Update:
@@ -202,16 +240,31 @@ def look_once_more(state: State, runtime: Run) -> Update:
 def think(state: State, runtime: Run) -> Update:
     """Thought over the grasp, the constraints and the history (Algorithm 1)."""
     context, times = runtime.context, dict[str, float]()
-    with context.timed("brain", times):
-        thought = context.brain.think(situation(state, context))
     number = len(state.tries())
+
+    def choose(args: ChooseArgs) -> Choice:
+        return choose_grasp(args, context.tool("choose", len(state.attempts)))
+
+    def ask(brain: Brain, facts: Situation) -> tuple[Deliberation, Plan | None]:
+        return judged_thought(brain.think(facts), facts, choose, state.relooks)
+
+    with context.timed("brain", times):
+        decided = Consultation("think", state, context, situation(state, context), ask).decide()
+    thought, plan = decided.value
     context.emit(events.Thought(text=thought.text, goal=state.current, level=state.level, attempt=number))
-    if thought.choice in ("give_up", "ask"):
-        asked = thought.question if thought.choice == "ask" else None
+    if plan is not None:
+        if plan is not state.plan:
+            context.emit(events.Planned(text=phrases.planned(plan, ""), goal=state.current, plan=plan))
+        return Update(thought=thought.text, plan=plan, times=times, use=decided.use)
+    said = Update(thought=thought.text, times=times, use=decided.use)
+    if thought.choice == "look_again":
+        return merged(said, Update(relooks=state.relooks + 1, stale=True, plan=None))
+    over = finish(state, claimed=False, note=thought.text)
+    if thought.choice == "ask":
         return merged(
-            Update(thought=thought.text, question=asked, times=times), finish(state, claimed=False, note=thought.text)
+            over, said, Update(refused=True, answer=thought.question or "", question=thought.question, agenda=())
         )
-    return Update(thought=thought.text, times=times)
+    return merged(over, said)
 
 
 def rehearse(state: State, runtime: Run) -> Update:
@@ -241,12 +294,42 @@ def conclude(state: State, runtime: Run) -> Update:
 def answer(state: State, runtime: Run) -> Update:
     """Says what was done, or answers the question from recorded facts."""
     context, times = runtime.context, dict[str, float]()
-    text, question = state.answer, state.question
+    text, question, use = state.answer, state.question, ModelUse()
     if not state.refused and not text:
+        facts = situation(state, context)
         with context.timed("brain", times):
-            spoken = context.brain.answer(situation(state, context))
+            spoken, use = context.rules.answer(facts), ModelUse()
+            if context.guarded and wants_words(state):
+                spoken, use = retold(spoken, state, context, facts)
         text, question = spoken.text, spoken.question or question
+    text += phrases.fallbacks(state.use.plus(use))
     context.emit(events.Question(text=text) if question else events.Answer(text=text))
     return Update(
-        answer=text, question=question, messages=[AIMessage(text, id=f"turn-{state.turn}-agent")], times=times
+        answer=text, question=question, messages=[AIMessage(text, id=f"turn-{state.turn}-agent")], times=times, use=use
     )
+
+
+WORDED = ("see", "where", "near", "why", "why_failed", "properties", "count", "held", "what_if")
+"""Questions that a model may answer in its own words, from the facts that the rules would state."""
+
+
+def wants_words(state: State) -> bool:
+    """Whether there is something to explain: a question, or a failure. A plain success is told as it is recorded."""
+    if not state.goals:
+        return False
+    if state.goals[0].query is not None:
+        return state.goals[0].query in WORDED
+    return any(goal.status == "failed" for goal in state.goals if goal.parent is None)
+
+
+def retold(spoken: Spoken, state: State, context: AgentContext, facts: Situation) -> tuple[Spoken, ModelUse]:
+    """The recorded facts in the model's words; after a failure the recorded sentence stands in front of them."""
+    facts = replace(facts, facts=spoken.text)
+
+    def ask(brain: Brain, facts: Situation) -> Spoken:
+        return spoken if brain is context.rules else judged_answer(brain.answer(facts), facts)
+
+    decided = Consultation("answer", state, context, facts, ask).decide()
+    if decided.by_rules or state.goals[0].query is not None:
+        return decided.value, decided.use
+    return spoken.model_copy(update={"text": f"{spoken.text} {decided.value.text}"}), decided.use

@@ -14,6 +14,7 @@ from agent.state import State
 from kb.constraint import Constraints
 from kb.experience import Retrieval
 from kb.percept import PerceivedObject, Percept
+from kb.run_result import ModelUse
 from kb.scene_graph import SceneGraph
 from kb.sensing import Plan, Sensing
 from kb.vocabulary import INVERSE
@@ -98,6 +99,21 @@ def seen(percept: Percept) -> str:
     """What a look shows."""
     how = " (oracle: read from the truth)" if percept.perception == "oracle" else ""
     return f"I see {listing(percept.objects)}{how}."
+
+
+def named(count: int, dropped: tuple[str, ...]) -> str:
+    """What became of a model's names and relations."""
+    if not dropped:
+        return f"The model named {count} object{'s' if count != 1 else ''}."
+    return f"The model named {count} object{'s' if count != 1 else ''}; dropped: {'; '.join(dropped)}."
+
+
+def fallbacks(use: ModelUse) -> str:
+    """That the rules decided in a model's place; empty where they did not."""
+    if not use.fallbacks:
+        return ""
+    times = "once" if len(use.fallbacks) == 1 else f"{len(use.fallbacks)} times"
+    return f" (The rules decided {times} in the model's place, first for {use.fallbacks[0]}.)"
 
 
 def target_of(state: State) -> PerceivedObject:

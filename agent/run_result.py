@@ -88,6 +88,7 @@ def run_result(
         damage_events=len(damaged),
         timings_s=_timings(state, total),
         funnel=state.shown.funnel.model_dump() if state.shown else {},
+        model_use=state.use,
     )
     return RunResult.model_validate(rounded(result.model_dump()))
 

@@ -16,7 +16,7 @@ from agent.goal import Goal
 from kb.constraint import Constraints
 from kb.experience import Retrieval
 from kb.percept import Percept
-from kb.run_result import Level
+from kb.run_result import Level, ModelUse
 from kb.scene_graph import SceneGraph
 from kb.sensing import CameraEvidence, Correction, Plan, Sensing
 from memory import EpisodicMemory, merge_memory
@@ -28,6 +28,11 @@ def add_times(old: dict[str, float], new: dict[str, float]) -> dict[str, float]:
     if not new:
         return {}
     return {key: old.get(key, 0.0) + new.get(key, 0.0) for key in sorted({*old, *new})}
+
+
+def add_use(old: ModelUse, new: ModelUse | None) -> ModelUse:
+    """Reducer of the model's part in a turn; None clears."""
+    return ModelUse() if new is None else old.plus(new)
 
 
 @dataclass
@@ -91,6 +96,8 @@ class State:
     answer: str = ""
     question: str | None = None
     times: Annotated[dict[str, float], add_times] = field(default_factory=dict)
+    use: Annotated[ModelUse, add_use] = field(default_factory=ModelUse)
+    """The language model's part in this turn."""
 
     @property
     def current(self) -> int | None:
@@ -150,6 +157,7 @@ class Update(TypedDict, total=False):
     answer: str
     question: str | None
     times: dict[str, float]
+    use: ModelUse | None
 
 
 def merged(*updates: Update) -> Update:

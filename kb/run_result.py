@@ -106,6 +106,35 @@ class Timings(Noun):
     total: float = 0.0
 
 
+class ModelUse(Noun):
+    """How a language model took part in a run; all zero with the rules brain."""
+
+    calls: int = 0
+    """Questions that were answered."""
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    refusals: int = 0
+    """Replies that did not pass the gate."""
+    faults: int = 0
+    """Questions to which no reply came."""
+    fallbacks: tuple[str, ...] = ()
+    """Where the rules decided instead, and why, in order."""
+    contradictions: int = 0
+    """Names and relations that a model gave and that measuring contradicts: dropped."""
+
+    def plus(self, other: ModelUse) -> ModelUse:
+        """Both together."""
+        return ModelUse(
+            calls=self.calls + other.calls,
+            prompt_tokens=self.prompt_tokens + other.prompt_tokens,
+            completion_tokens=self.completion_tokens + other.completion_tokens,
+            refusals=self.refusals + other.refusals,
+            faults=self.faults + other.faults,
+            fallbacks=(*self.fallbacks, *other.fallbacks),
+            contradictions=self.contradictions + other.contradictions,
+        )
+
+
 class RunResult(Noun):
     """What `ragvlm run --json` writes and `Agent.run` returns."""
 
@@ -129,3 +158,5 @@ class RunResult(Noun):
     timings_s: Timings = Field(default_factory=Timings)
     funnel: dict[str, Any] = Field(default_factory=dict)
     """Counts of the retrieval funnel (extra key)."""
+    model_use: ModelUse = Field(default_factory=ModelUse)
+    """The part of a language model in the run (extra key)."""

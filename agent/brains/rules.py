@@ -12,12 +12,13 @@ from agent.brain import Deliberation, Reflected, Situation, Spoken
 from agent.goal import Goal, Understanding
 from agent.language.read_command import understand
 from kb.percept import PerceivedObject
+from kb.seen import Seen
 from kb.sensing import Correction, Plan
 from prompts import render
 
 
 class RulesBrain:
-    """Understands, thinks, reflects and answers by rules."""
+    """Understands, thinks, reflects and answers by rules; what it sees is what was measured."""
 
     name = "rules"
 
@@ -35,6 +36,11 @@ class RulesBrain:
             question = f"What shall I do with {thing}? I can pick it up, hand it to you or put it somewhere."
             return Understanding(question=question, goals=())
         return got
+
+    def perceive(self, situation: Situation) -> Seen:
+        """Nothing beyond what depth and the reference statistics say."""
+        del situation
+        return Seen()
 
     def think(self, situation: Situation) -> Deliberation:
         """The grasp, and why: experience, constraints, and what failed before."""
