@@ -98,9 +98,10 @@ class AnalyticRobot(Robot):
         speed: float = 1.0,
         then_home: bool = True,
         left_behind: Obstacle | None = None,
+        load: Sequence[Vec3] = (),
     ) -> Sensing:
         """As `Robot.place`: what is held then stands where the tool point was sent."""
-        del obstacles, speed, left_behind
+        del obstacles, speed, left_behind, load
         self.world.attempt += 1
         held = self.held
         target = _set_down_pose(forward(self.joints), position, approach, yaw)

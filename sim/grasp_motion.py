@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from kb.grasp import Grasp
 from sim.build_model import TIMESTEP
-from sim.controller import CLOSED, along, follow, hold, holding_command, part
+from sim.controller import CLOSED, GRIP_COLUMN, along, follow, hold, holding_command, part
 from sim.hand import approach_time
 from sim.motion import Obstacle, Transit, clearances, plan_direct, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
+from sim.panda import GRIP_SLEW
 from sim.place_motion import note_hang
 from sim.reach import Reach, Unreachable, reach_from, solve_reaches
 from sim.recording import Recording
@@ -29,6 +30,9 @@ DEEPEST = 0.02
 """Overlap of the pre-grasp with a perceived box that is still tried [m]: boxes are larger than round or stemmed things."""
 OPTIONS, DETOURS = 5, 3
 """Arm configurations compared by their direct way, and by detours if no direct way is free."""
+FULL_CLOSING, SLOWEST_CLOSING = 15.0, 0.3
+"""Force from which the fingers close at their full speed [N], and the least share of that speed: a finger that lands at
+full speed on a stem held with 3.6 N presses with up to 6.1 N for 10 ms."""
 REST_STEPS = 30
 """Steps for which fingers must rest and press before the hand counts as closed."""
 TEST_LIFT = 0.02
@@ -126,7 +130,7 @@ def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float) 
 
 
 def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
-    """Closes with the commanded force until the fingers rest."""
+    """Closes with the commanded force until the fingers rest; the gentler the force, the slower."""
     motion.world.set_grip_force(grasp.force)
     data, sensors = motion.world.data.sensordata, motion.world.index.sensors
     speed, force = sensors["robot/opening_speed"].start, sensors["robot/grip_force"].start
@@ -138,8 +142,12 @@ def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
         resting = resting + 1 if still else 0
         return "rest" if resting >= REST_STEPS else None
 
-    longest = (motion.aperture - CLOSED) / 0.1 + 0.6
-    closed = motion.run(hold(reach.joints, CLOSED, longest), "close", check)
+    speed_of_closing = GRIP_SLEW * min(1.0, max(SLOWEST_CLOSING, grasp.force / FULL_CLOSING))
+    longest = (motion.aperture - CLOSED) / speed_of_closing + 0.6
+    controls = hold(reach.joints, CLOSED, longest)
+    elapsed = TIMESTEP * np.arange(1, len(controls) + 1)
+    controls[:, GRIP_COLUMN] = np.maximum(CLOSED, motion.aperture - speed_of_closing * elapsed)
+    closed = motion.run(controls, "close", check)
     tool_z = float(motion.reading("robot/tcp_position", closed)[-1, 2])
     squeeze = holding_command(motion.aperture, grasp.force)
     motion.run(hold(reach.joints, squeeze, 0.01), "close")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kb.base import Vec3
 from sim.arm_shape import RADII, carried_points, setting_clearance, spheres
 from sim.curve import cubic_spline, path_time, quintic
-from sim.kinematics import forward
+from sim.kinematics import forward, tcp_poses
 from sim.panda import READY
 from sim.reach import line
 
@@ -99,6 +99,7 @@ def plan_transit(
     *,
     carried: Array | None = None,
     margin: float = MARGIN,
+    tilt: float | None = None,
 ) -> Transit | None:
     """A free path from start to goal, or None if neither the direct one nor any with via points above is free.
 
@@ -108,14 +109,15 @@ def plan_transit(
         obstacles: What to keep away from; table and the robot's own base are always kept away from.
         carried: Points of a held object in the hand frame [m], shape (P, 3).
         margin: Distance to keep [m]. Where start or goal are closer than that to an obstacle, the path may be too.
+        tilt: How far the way may tip what hangs upright at the start [rad]; None: as far as it likes.
     """
     required = _required(start, goal, obstacles, carried, margin)
-    direct = _free(np.stack([start, goal]), required, obstacles, carried)
+    direct = _free(np.stack([start, goal]), required, obstacles, carried, tilt)
     if direct is not None:
         return direct
     best: Transit | None = None
     for vias in _via_points(start, goal):
-        found = _free(np.stack([start, *vias, goal]), required, obstacles, carried)
+        found = _free(np.stack([start, *vias, goal]), required, obstacles, carried, tilt)
         if found is not None and (best is None or found.duration < best.duration):
             best = found
         if best is not None and (best.duration < QUICK or len(vias) > best.vias):
@@ -131,19 +133,41 @@ def plan_direct(
     return _free(np.stack([start, goal]), required, obstacles, None)
 
 
+def free_motion(
+    knots: Array, obstacles: Sequence[Obstacle], *, carried: Array | None, margin: float, tilt: float | None
+) -> Transit | None:
+    """The motion through joint knots (K, 7) if it is free; the other arguments as those of `plan_transit`."""
+    required = _required(knots[0], knots[-1], obstacles, carried, margin)
+    return _free(knots, required, obstacles, carried, tilt)
+
+
 def _required(start: Array, goal: Array, obstacles: Sequence[Obstacle], carried: Array | None, margin: float) -> Array:
     """Distance to keep from the setting and from each obstacle (1 + B,) [m]."""
     ends = clearances(np.stack([start, goal]), obstacles, carried)
     return np.minimum(margin, ends.min(axis=0) - SLACK)
 
 
-def _free(knots: Array, required: Array, obstacles: Sequence[Obstacle], carried: Array | None) -> Transit | None:
-    """The motion through the knots if it keeps the required distances."""
+def _free(
+    knots: Array,
+    required: Array,
+    obstacles: Sequence[Obstacle],
+    carried: Array | None,
+    tilt: float | None = None,
+) -> Transit | None:
+    """The motion through the knots if it keeps the required distances and tips the load by no more than `tilt` [rad]."""
     path = _spline(knots)
+    if tilt is not None and float(tilts(path).max()) > tilt:
+        return None
     distance = clearances(path, obstacles, carried)
     if (distance < required).any():
         return None
     return Transit(path, path_time(path), float(distance.min()), len(knots) - 2)
+
+
+def tilts(path: Array) -> Array:
+    """How far something held upright at the first of the configurations (K, 7) is tipped at each of them [rad], (K,)."""
+    turns = tcp_poses(path)[:, :3, :3]
+    return np.arccos(np.clip(turns[:, 2] @ turns[0, 2], -1.0, 1.0))
 
 
 def _spline(knots: Array) -> Array:

@@ -29,6 +29,10 @@ TIME_LIMIT = 60.0
 """Simulated time after which a motion is given up [s] (benchmark: 60 s per attempt)."""
 HALT_S = 0.3
 """Simulated time in which a halted arm comes to rest [s]."""
+SLOW = 0.05
+"""Joint speed from which an arm may be stopped at once [rad/s]."""
+BRAKE_S = 0.12
+"""Time over which the command slows down when nothing was hit [s]: a sudden stop from full speed saturates the motors."""
 LAG_LIMIT = 0.02
 """Lag of a joint behind its command that means a collision [rad]; free motions stay below 0.006."""
 BACK_OFF_S = 0.5
@@ -118,10 +122,21 @@ class MotionRun:
 
         recording = self.world.run(controls, phase, guard, every=GUARD_EVERY if check is None else 1)
         self._track(recording)
+        if recording.ended_by in ("stop", "timeout"):
+            self._brake(phase)
         if recording.ended_by in ("stop", "timeout", "force"):
             self.halt(phase)
             raise HaltedError(recording.ended_by)  # type: ignore[arg-type]
         return recording
+
+    def _brake(self, phase: Phase) -> None:
+        """Slows the command down evenly, from where and how fast it is."""
+        speed = self.world.data.ctrl[1:GRIP_COLUMN:3].copy()
+        if float(np.abs(speed).max()) < SLOW:
+            return
+        t = TIMESTEP * np.arange(1, steps(BRAKE_S) + 1)[:, None]
+        here = self.commanded
+        self.world.run(follow(here + speed * (t - t * t / (2 * BRAKE_S)), self.grip, here), phase)
 
     def halt(self, phase: Phase) -> None:
         """Brings the arm to rest where it is; the gripper keeps its command and force."""

@@ -11,6 +11,7 @@ from kb.base import Vec3
 from kb.grasp import closing_axis
 from kb.sensing import Phase
 from sim.build_model import TIMESTEP
+from sim.carry_path import CARRY_HEIGHTS, OVERSHOOT, carry_way, way_down
 from sim.controller import along, along_evenly, follow, hold, part
 from sim.hand import approach_time
 from sim.kinematics import forward
@@ -30,8 +31,6 @@ RISE = 0.12
 CREEP, CREEP_SPEED, LEAST_CREEP = 0.015, 0.025, 0.006
 """Last part of a set-down [m], its speed at velocity scale 1, and its least speed [m/s]. A 90-g cube held with 15 N
 lands with 13 N (10-ms mean) at 0.02 m/s, and one held with 5 N with 4.5 N at 0.01 m/s."""
-OVERSHOOT = 0.012
-"""How far a set-down feels for the ground below the wanted height [m]."""
 TOUCH = 1.0
 """Change of the vertical wrist force that means contact [N]."""
 RELEASE_ROOM = 0.03
@@ -40,10 +39,10 @@ OPENING_FORCE = 20.0
 """Motor force while the hand opens [N]."""
 LOOSE = 5e-4
 """How far the fingers have moved apart when they no longer press [m]."""
+SLOWEST_CARRY = 0.3
+"""Least velocity scale of the way to above the set-down."""
 TRAVEL_FORCE = 30.0
 """Wrist force, less nothing for the load, that stops a free motion [N]: a load of 0.6 kg shaken at 2 g stays below."""
-CARRY_HEIGHTS = (0.15, 0.10, 0.06)
-"""Heights above the set-down pose from which it is lowered [m], the first possible one."""
 
 
 def note_hang(motion: MotionRun, tool_z: float) -> None:
@@ -87,9 +86,10 @@ def travel(motion: MotionRun, goal: Array, obstacles: Sequence[Obstacle], phase:
         return
     boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin)]
     load = carried(motion)
-    transit = plan_transit(start, goal, boxes, carried=load) or plan_transit(
-        start, goal, boxes, carried=load, margin=0.0
-    )
+    if load is not None:
+        transit = carry_way(start, goal, boxes, load)
+    else:
+        transit = plan_transit(start, goal, boxes) or plan_transit(start, goal, boxes, margin=0.0)
     if transit is None:
         motion.note(phase=phase)
         raise HaltedError("path")
@@ -109,26 +109,35 @@ def place_pose(motion: MotionRun, position: Vec3, approach: Vec3 | None, yaw: fl
     return pose
 
 
-def carry_above(motion: MotionRun, pose: Array, obstacles: Sequence[Obstacle], speed: float) -> None:
+def carry_above(
+    motion: MotionRun, pose: Array, obstacles: Sequence[Obstacle], speed: float, load: Array | None = None
+) -> None:
     """Carries what is held above the set-down pose and lowers it until contact is felt.
+
+    Args:
+        motion: The motion.
+        pose: Tool pose at the set-down (4, 4).
+        obstacles: What to keep away from.
+        speed: Velocity scale.
+        load: Points of what is held in the hand frame (P, 3) [m]; a line to the ground it was taken from, if left out.
 
     Raises:
         HaltedError: "unreachable" or "path".
     """
-    for height in CARRY_HEIGHTS:
-        for path in descents(pose, motion.commanded, height, OVERSHOOT):
-            try:
-                travel(motion, path[0], obstacles, "carry", min(1.0, max(speed, 0.3)))
-            except HaltedError as halted:
-                if halted.cause != "path":
-                    raise
-                continue
-            lower(motion, path, height + OVERSHOOT, speed)
-            return
-    if motion.fields.get("phase") != "carry":
-        motion.note(reachable=False, phase="carry")
-        raise HaltedError("unreachable")
-    raise HaltedError("path")
+    boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin)]
+    held = carried(motion)
+    if held is not None and load is not None and len(load):
+        held = load
+    way = way_down(pose, motion.commanded, boxes, held)
+    if way is None:
+        reached = next(descents(pose, motion.commanded, CARRY_HEIGHTS[-1], OVERSHOOT), None) is not None
+        motion.note(reachable=reached, phase="carry")
+        raise HaltedError("path" if reached else "unreachable")
+    samples = way.transit.samples(TIMESTEP, min(1.0, max(speed, SLOWEST_CARRY)))
+    recording = motion.run_guarded(samples, motion.grip, "carry", TRAVEL_FORCE)
+    if held is not None:
+        motion.carry(recording)
+    lower(motion, way.path, way.length, speed)
 
 
 def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
@@ -198,12 +207,16 @@ def retreat(motion: MotionRun) -> None:
             return
         direction = -pose[:3, 2] if way is None else way
         for share in (1.0, 0.6, 0.3):
-            offsets = share * distance * np.linspace(0.0, 1.0, 7)[:, None] * direction
-            path = line_any(pose, offsets, motion.commanded)
+            path = way_back(pose, direction, share * distance, motion.commanded)
             if path is not None:
                 seconds = approach_time(share * distance, 1.0)
                 motion.run(follow(along(path, seconds), motion.grip, motion.commanded), "retreat")
                 break
+
+
+def way_back(pose: Array, direction: Array, distance: float, joints: Array) -> Array | None:
+    """Joint angles (7, 7) from a tool pose straight along a direction by a distance [m], or None."""
+    return line_any(pose, distance * np.linspace(0.0, 1.0, 7)[:, None] * direction, joints)
 
 
 def home(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:

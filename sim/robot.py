@@ -122,6 +122,7 @@ class Robot:
         speed: float = 1.0,
         then_home: bool = True,
         left_behind: Obstacle | None = None,
+        load: Sequence[Vec3] = (),
     ) -> Sensing:
         """Carries what is held above `position`, lowers it until contact is felt, lets go, retreats and goes home.
 
@@ -133,11 +134,12 @@ class Robot:
             speed: Velocity scale in (0, 1].
             then_home: Whether to drive home afterwards.
             left_behind: Box of what is set down where it will stand: the way home keeps clear of it.
+            load: Points of what is held in the hand frame [m], for a way on which it touches nothing.
         """
         motion = MotionRun(self.world, self.stop)
         try:
             target = place_pose(motion, position, approach, yaw)
-            carry_above(motion, target, obstacles, speed)
+            carry_above(motion, target, obstacles, speed, np.asarray(load, float).reshape(-1, 3))
             let_go(motion, obstacles)
             if then_home:
                 home(motion, obstacles if left_behind is None else (*obstacles, left_behind))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import islice
 from typing import Annotated, Literal
 
 import numpy as np
@@ -23,11 +24,13 @@ from tools.planning.set_down import (
     BIN_RAISES,
     BIN_SLOTS,
     GAP,
+    Scene,
     SetDown,
     feasible,
     fits_bin,
     footprint_radius,
     is_free,
+    load_points,
     points_of,
     set_downs,
     spiral,
@@ -105,6 +108,7 @@ def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
         obstacles=boxes,
         speed=set_down_speed(args),
         left_behind=set_down_box(args.object, chosen, args.held),
+        load=load_points(args.object, args.held),
     )
 
 
@@ -114,14 +118,22 @@ def set_down_speed(args: PlaceArgs) -> float:
 
 
 def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
-    """The first free, reachable place in the order of preference, or None."""
-    joints = np.asarray(context.robot.joints, float)
-    points_w = points_of(args.percept, without=(args.object.id,))
-    for tried, option in enumerate(_options(args)):
-        if tried >= TRIES * 12:
-            return None
-        if feasible(option, args.held, joints, points_w):
-            return option
+    """The first free, reachable place in the order of preference, or None.
+
+    Places that can be reached and left without tipping or brushing what is held go before all others.
+    """
+    without = (args.object.id,)
+    scene = Scene(
+        plan=args.held,
+        joints=np.asarray(context.robot.joints, float),
+        points_w=points_of(args.percept, without=without),
+        boxes=obstacles(args.percept, without=without),
+        load=np.asarray(load_points(args.object, args.held)),
+    )
+    for careful, limit in ((True, TRIES * 4), (False, TRIES * 12)):
+        for option in islice(_options(args), limit):
+            if feasible(option, scene, careful=careful):
+                return option
     return None
 
 

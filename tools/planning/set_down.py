@@ -12,10 +12,11 @@ from kb.base import Vec2, Vec3
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan
-from sim.hand import swept_clearance
+from sim.carry_path import way_down
+from sim.hand import TCP_OFFSET, swept_clearance
 from sim.kinematics import forward
-from sim.place_motion import CARRY_HEIGHTS, OVERSHOOT
-from sim.reach import descents
+from sim.motion import CARRIED_RADIUS, Obstacle
+from sim.place_motion import RETREAT, way_back
 from tools.planning.arm_clearance import path_clearance
 from tools.planning.candidate import Array, vec3
 from tools.planning.surroundings import completed
@@ -36,6 +37,10 @@ BIN_RAISES = (0.0, 0.015, 0.03, 0.045, 0.07, 0.11)
 """How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
 WALL_ROOM = 0.006
 """Distance that what is put into the bin keeps from its walls [m]."""
+UPRIGHT_HAND = 0.9
+"""Cosine of the hand's tilt from which its way back is its way up."""
+SPHERE_STEP = 0.04
+"""Distance of the spheres that stand for what is held [m]."""
 ARM_GAP = 0.012
 """Distance that the arm's links keep from everything on the way down [m]."""
 
@@ -122,27 +127,65 @@ def set_downs(held: PerceivedObject, plan: Plan, centre: Vec2, support_z: float)
         )
 
 
-def feasible(option: SetDown, plan: Plan, joints: Array, obstacles_w: Array) -> bool:
-    """Whether the arm lowers the hand there straight from above, and the hand stays clear of everything."""
+@dataclass(frozen=True)
+class Scene:
+    """What a set-down has to reckon with, as perceived."""
+
+    plan: Plan
+    """The plan that holds the object."""
+    joints: Array
+    """Joint angles now [rad], (7,)."""
+    points_w: Array
+    """Surface points of everything else (N, 3) [m]."""
+    boxes: tuple[Obstacle, ...]
+    """The same as boxes, for the free way."""
+    load: Array
+    """Points of what is held in the hand frame (P, 3) [m]."""
+
+
+def feasible(option: SetDown, scene: Scene, *, careful: bool) -> bool:
+    """Whether the arm lowers the hand there straight from above, and the hand stays clear of everything.
+
+    A careful set-down also keeps what is held upright on the way, and leaves it straight back along the approach.
+    """
+    grasp = scene.plan.grasp
     pose = Grasp(
         position=option.position,
         approach=option.approach,
         yaw=option.yaw,
-        aperture=plan.grasp.aperture,
-        force=plan.grasp.force,
-        type=plan.grasp.type,
-        standoff=0.02,
+        aperture=grasp.aperture,
+        force=grasp.force,
+        type=grasp.type,
+        standoff=RETREAT if careful else 0.02,
     )
-    if len(obstacles_w) and swept_clearance(pose, obstacles_w, lift=0.12) < HAND_GAP:
+    if len(scene.points_w) and swept_clearance(pose, scene.points_w, lift=0.12) < HAND_GAP:
         return False
     target = np.eye(4)
     target[:3, :3], target[:3, 3] = pose.rotation(), option.position
-    for height in CARRY_HEIGHTS:
-        # The robot takes the first way down that exists, so that one must be clear.
-        path = next(descents(target, joints, height, OVERSHOOT), None)
-        if path is not None:
-            return not len(obstacles_w) or path_clearance(path[::2], obstacles_w) >= ARM_GAP
-    return False
+    # The robot takes the first way that it finds, so that one must be clear.
+    way = way_down(target, scene.joints, scene.boxes, scene.load, calm=careful)
+    if way is None or not _clear(way.path[::2], scene.points_w):
+        return False
+    if not careful or abs(option.approach[2]) > UPRIGHT_HAND:
+        return True
+    back = way_back(forward(way.path[-1]), -np.asarray(option.approach), RETREAT, way.path[-1])
+    return back is not None and _clear(back[::2], scene.points_w)
+
+
+def _clear(path: Array, points_w: Array) -> bool:
+    return not len(points_w) or path_clearance(path, points_w) >= ARM_GAP
+
+
+def load_points(held: PerceivedObject, plan: Plan) -> tuple[Vec3, ...]:
+    """Middles of spheres that fill the box of what is held, in the hand frame [m]."""
+    axes: list[Array] = []
+    for extent in held.size:
+        reach = max(0.0, extent / 2 - CARRIED_RADIUS)
+        axes.append(np.linspace(-reach, reach, 1 if reach == 0.0 else math.ceil(2 * reach / SPHERE_STEP) + 1))
+    local: Array = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    world: Array = np.array([_turned(local[k], held.yaw) for k in range(len(local))]) + np.asarray(held.position)
+    in_hand = (world - np.asarray(plan.grasp.position)) @ hand_at_grasp(plan)
+    return tuple(vec3(in_hand[k] + np.array([0.0, 0.0, TCP_OFFSET])) for k in range(len(in_hand)))
 
 
 def fits_bin(option: SetDown, held: PerceivedObject, corners: tuple[Vec3, Vec3]) -> bool:
