@@ -93,3 +93,36 @@ def views(store: Store = None) -> None:
     from app.knowledge import render_reference_views
 
     render_reference_views(store)
+
+
+@app.command("eval")
+def evaluate(
+    json_file: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--json", metavar="FILE", help="Write the numbers there; - is standard output."),
+    ] = None,
+    out: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--out", metavar="DIR", help="Write report.html, tables.md and summary.json there."),
+    ] = None,
+    embedder: Annotated[
+        str, typer.Option("--embedder", metavar="A,B", help="shape_colour, efficientnet, clip:TAG or clip:FILE.")
+    ] = "shape_colour",
+    splits: Annotated[
+        str, typer.Option("--splits", metavar="A,B", help="in (Table I), near, far (outside the knowledge base).")
+    ] = "in,near,far",
+    executed: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--executed", metavar="FILE", help="Executed outcomes (default: beside the knowledge base)."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="One view per object, nothing executed that was not executed before.")
+    ] = False,
+    store: Store = None,
+) -> None:
+    """Measure retrieval: every system on every query, by label and by executing what was retrieved."""
+    from app.evaluation import evaluate_retrieval
+
+    evaluate_retrieval(
+        store, embedders=embedder, splits=splits, quick=quick, json_file=json_file, out=out, executed=executed
+    )

@@ -1,0 +1,1 @@
+"""How good retrieval is: systems, queries, three kinds of relevance, measures and a report (`ragvlm kb eval`)."""
