@@ -1,0 +1,1 @@
+"""The web page: one server, one token, one live robot, and whoever holds the controls."""

@@ -1,0 +1,313 @@
+"""The robot as all pages see it: one conversation, its panels, its live view. Orders come in, messages go out.
+
+Orders are given from the server's event loop and return at once: stopping happens there and then, everything else in
+the desk's own thread, one after the other.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.web.board import Board, candidates_of
+from app.web.live import Live
+from app.web.pictures import Pictures
+from app.web.replays import Replays
+from app.web.transcript import Transcript, entry_of
+from kb.errors import RagVlmError
+
+if TYPE_CHECKING:
+    from agent.chat import Conversation
+    from app.options import RunOptions
+    from app.web.view import View
+
+MAX_WAITING = 8
+"""Orders that may wait for the one being carried out."""
+
+
+@dataclass
+class Status:
+    """What every page always knows."""
+
+    busy: bool = False
+    stopped: bool = False
+    asks: bool = False
+    speed: float = 2.0
+    replay: int | None = None
+    place: str = ""
+    scene: str = ""
+    seed: int = 0
+    thread: str | None = None
+    unfinished: str | None = None
+    halted_ms: float | None = None
+    """From the arrival of the last stop to the halt of physics [ms]."""
+    halted_at: float | None = None
+    """Wall clock of that halt [s since 1970]."""
+
+
+class Desk:
+    """Carries out orders and tells the pages."""
+
+    def __init__(self, view: View, tell: Callable[[dict[str, Any]], None]) -> None:
+        self.view = view
+        self._tell = tell
+        self.status = Status()
+        self.board = Board(lambda part, value: tell({"type": "board", "part": part, "value": value}))
+        self.live = Live(self._show_live, self._halted, lambda: self.board.forces(self.live.forces.rows()))
+        self.pictures = Pictures(lambda names: self.board.put("pictures", names))
+        self.transcript = Transcript(None)
+        self.replays = Replays()
+        self.talk: Conversation | None = None
+        self.options: RunOptions | None = None
+        self._said = ""
+        self._look: tuple[Any, ...] = ((), None, None)
+        """Views, percept and graph of the last look."""
+        self._stop_at = 0.0
+        self._orders: queue.Queue[Callable[[], None] | None] = queue.Queue(MAX_WAITING)
+        self._thread = threading.Thread(target=self._work, name="ragvlm-desk", daemon=True)
+        self._thread.start()
+
+    # Sessions -----------------------------------------------------------------------------------------------------
+
+    def open(self, options: RunOptions) -> None:
+        """Opens a conversation and closes the one before; a wrong name leaves everything as it is.
+
+        Raises:
+            RagVlmError: as `Conversation.open`.
+        """
+        from agent.chat import Conversation
+
+        talk = Conversation.open(
+            options.scene, options.seed, thread=options.thread, asks=options.approve, brain=options.brain,
+            perception=options.perception, evaluator=options.evaluator, configuration=options.configuration,
+            dry_run=options.dry_run, base_url=options.base_url,
+        )  # fmt: skip
+        if self.talk is not None:
+            self.live.detach()
+            self.talk.close()
+        self.talk, self.options = talk, options
+        opened = talk.agent.opened
+        self.transcript = Transcript(talk.folder)
+        self.replays = Replays(talk.folder)
+        self.replays.load()
+        state = talk.state
+        if state.world:
+            talk.agent.context.world.at(state.world)
+        self.view.open(opened.placed, opened.world.data.qpos.copy())
+        self.live.attach(opened.world)
+        self.board.clear()
+        self._restore(talk)
+        # What the camera shows now, for people only: the robot itself has not looked yet. Its draws are its own.
+        self.pictures.draw(opened.world.capture(np.random.default_rng(opened.seed)), None, None, None)
+        self.status = Status(
+            stopped=talk.stopped, asks=talk.asks, speed=self.live.speed, place=talk.place, scene=options.scene or
+            opened.scene, seed=opened.seed, thread=options.thread, unfinished=talk.unfinished,
+        )  # fmt: skip
+        self._tell(self.hello())
+
+    def _restore(self, talk: Conversation) -> None:
+        """The panels of a session that was left: what it remembers, and what waits for a word."""
+        if not self.transcript.entries:
+            for speaker, text in talk.messages:
+                kind = "said" if speaker == "person" else "answer"
+                self.transcript.add({"kind": kind, "label": speaker.capitalize(), "text": text, "details": []})
+        self.board.remembered(talk.memory)
+        if talk.pending is not None:
+            self.board.pending(talk.pending.plan, talk.pending.thought)
+            self.view.candidates(candidates_of(talk.pending.plan))
+
+    def hello(self) -> dict[str, Any]:
+        """Everything a page needs that opens now."""
+        return {
+            "type": "hello",
+            "status": self.status.__dict__,
+            "board": self.board.parts,
+            "transcript": self.transcript.entries,
+            "replays": self.replays.cards(),
+        }
+
+    # Orders: called in the event loop, must return at once -------------------------------------------------------
+
+    def stop(self) -> None:
+        """Stops the robot at once; it stays stopped until `release`."""
+        if self.talk is not None:
+            self._stop_at = time.monotonic()
+            self.talk.stop()
+        self._set(stopped=True, halted_ms=None, halted_at=None)
+        self._note("stopped", "Stopped", "Stopped. Nothing moves until the robot is released.")
+
+    def release(self) -> None:
+        """Lets the robot move again."""
+        if self.talk is not None:
+            self.talk.release()
+        self._set(stopped=False)
+        self._note("noted", "Released", "Released. The robot may move again when it is told to.")
+
+    def say(self, text: str) -> None:
+        """Words of the person: a turn of their own, or steering while one is running."""
+        talk = self.talk
+        if talk is None:
+            return
+        if talk.busy:
+            self._note("said", "You (while it works)", text)
+            talk.steer(text)
+            return
+        self.turn(text, lambda: talk.say(text))
+
+    def turn(self, words: str, start: Callable[[], Iterator[Any]], *, goes_on: bool = False) -> None:
+        """Runs a turn in the desk's thread."""
+        self.order(lambda: self._turn(words, start, goes_on=goes_on))
+
+    def order(self, work: Callable[[], None]) -> None:
+        """Puts work in line; refuses it when too much waits already."""
+        try:
+            self._orders.put_nowait(work)
+        except queue.Full:
+            self.refuse("too many orders are waiting; one thing after the other, please")
+
+    def refuse(self, text: str) -> None:
+        """Says why something was not done."""
+        self._tell({"type": "notice", "text": text})
+
+    def show_replay(self, run: int, share: float) -> None:
+        """A moment of a recorded run, unless the robot is at work."""
+        replay = self.replays.runs.get(run)
+        if replay is None or self.status.busy:
+            return
+        if self.status.replay != run:
+            self._set(replay=run)
+        self.view.show(replay.at(share))
+
+    def show_now(self) -> None:
+        """Back from a replay to the robot as it is."""
+        self._set(replay=None)
+        self.live.touch()
+
+    def set_speed(self, speed: float) -> None:
+        """How fast simulated time runs."""
+        self.live.speed = speed
+        self._set(speed=speed)
+
+    def set_asks(self, wanted: bool) -> None:
+        """Ask before every motion, or do not."""
+        if self.talk is not None:
+            self.talk.asks = wanted
+        self._set(asks=wanted)
+
+    def change(self, **options: Any) -> None:
+        """Opens another session or scene in the desk's thread."""
+        assert self.options is not None
+        self.order(lambda: self.open(replace(self.options, **options)))  # type: ignore[type-var]
+
+    def open_scene(self, path: str) -> None:
+        """Opens a scene file with the same seed, in a session of its own; in the desk's thread."""
+        from app.web.names import new_thread
+
+        assert self.options is not None
+        self.open(replace(self.options, scene=path, seed=self.status.seed, thread=new_thread(path)))
+
+    def close(self) -> None:
+        """Stops the robot and ends the thread."""
+        if self.talk is not None:
+            self.talk.stop()
+        self._orders.put(None)
+        self._thread.join(timeout=10.0)
+        self.live.close()
+        self.pictures.close()
+        if self.talk is not None:
+            self.talk.close()
+
+    # The desk's thread --------------------------------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while (work := self._orders.get()) is not None:
+            try:
+                work()
+            except RagVlmError as error:
+                self.refuse(str(error))
+            except Exception as error:
+                # A bug must not end the desk: whoever sits at the page has to be able to stop the robot.
+                self.refuse(f"internal error: {type(error).__name__}: {error}")
+            finally:
+                self._set(busy=False)
+
+    def _turn(self, words: str, start: Callable[[], Iterator[Any]], *, goes_on: bool) -> None:
+        talk = self.talk
+        assert talk is not None
+        self._said = self._said if goes_on else words
+        self._set(busy=True, replay=None, unfinished=None)
+        if not goes_on:
+            self.live.begin()
+            self._note("said", "You", words)
+        self.board.put("pending", None)
+        last = None
+        for step in start():
+            last = step
+            self._on_step(step)
+        self.live.touch()
+        self.board.remembered(talk.memory)
+        waits = last is not None and last.kind == "asked"
+        if not waits and self.replays.add(self._said, self.live.times, self.live.poses) is not None:
+            self._tell({"type": "replays", "value": self.replays.cards()})
+        self._set(busy=False, unfinished=talk.unfinished)
+
+    def _on_step(self, step: Any) -> None:
+        if step.kind == "said":
+            return
+        self.board.on_step(step)
+        talk = self.talk
+        assert talk is not None
+        if step.kind == "look":
+            self._look = (talk.agent.views, step.percept, None)
+            self._draw()
+        elif step.kind in ("graphed", "grounding"):
+            views, percept, graph = self._look
+            self._look = (views, percept, step.graph if step.kind == "graphed" else graph)
+            if step.kind == "graphed":
+                self._draw()
+        elif step.kind in ("planned", "asked", "action"):
+            if step.plan is not None:
+                self.view.candidates(candidates_of(step.plan))
+        elif step.kind in ("observation", "finished", "refused"):
+            self.view.candidates(())
+        # The answer is said once: as the turn's last step, with the observer's verdict under it.
+        entry = None if step.kind == "asked" else entry_of(step)
+        if entry is not None:
+            self._enter(entry)
+
+    def _draw(self) -> None:
+        views, percept, graph = self._look
+        if views and percept is not None:
+            target = (self.board.parts["look"] or {}).get("target")
+            self.pictures.draw(views, percept, graph, target)
+
+    # Telling ------------------------------------------------------------------------------------------------------
+
+    def _enter(self, entry: dict[str, Any]) -> None:
+        self.transcript.add(entry)
+        self._tell({"type": "entry", "entry": entry})
+
+    def _note(self, kind: str, label: str, text: str) -> None:
+        self._enter({"kind": kind, "label": label, "text": text, "details": []})
+
+    def _set(self, **changes: Any) -> None:
+        """Changes the status and tells it, if anything is new."""
+        new = replace(self.status, **changes)
+        if new != self.status:
+            self.status = new
+            self._tell({"type": "status", "status": new.__dict__})
+
+    def _show_live(self, qpos: Any) -> None:
+        if self.status.replay is None:
+            self.view.show(qpos)
+
+    def _halted(self) -> None:
+        """Physics has halted on a stop; called in its thread."""
+        passed = (time.monotonic() - self._stop_at) * 1000 if self._stop_at else None
+        self._set(halted_ms=None if passed is None else round(passed, 1), halted_at=time.time())

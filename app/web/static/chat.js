@@ -1,0 +1,67 @@
+// The conversation: entries as they come, the approval box, and suggestions.
+import { $, fill, h } from "./dom.js";
+
+const STEPS = ["understood", "look", "grounding", "retrieved", "graphed", "constrained", "planned", "thought", "approval", "action", "observation", "reflection", "remembered", "sub_goal", "heeded", "noted"];
+const MOST = 400;
+
+export function entryElement(entry) {
+  const kind = /^[a-z_]+$/.test(entry.kind) ? entry.kind : "noted";
+  const box = h("div", { class: `entry k-${kind}${STEPS.includes(kind) ? " step" : ""}` }, h("span", { class: "who" }, entry.label), h("span", {}, entry.text));
+  if (entry.details.length) {
+    box.append(h("details", {}, h("summary", {}, entry.details.length === 1 ? "numbers" : `${entry.details.length} lines`), ...entry.details.map((line) => h("div", {}, line))));
+  }
+  return box;
+}
+
+// The end stays in view while the person has not scrolled back, also when the box below grows or shrinks.
+let pinned = true;
+$("log").addEventListener("scroll", () => { const log = $("log"); pinned = log.scrollHeight - log.scrollTop - log.clientHeight < 60; });
+new ResizeObserver(() => { if (pinned) $("log").scrollTop = $("log").scrollHeight; }).observe($("log"));
+
+export function addEntry(entry) {
+  const log = $("log");
+  log.append(entryElement(entry));
+  while (log.childElementCount > MOST) log.firstElementChild.remove();
+  pinned ||= entry.kind === "said";
+  if (pinned) log.scrollTop = log.scrollHeight;
+}
+
+export function showTranscript(entries) {
+  const log = $("log");
+  fill(log, ...entries.map(entryElement));
+  if (!entries.length) log.append(h("p", { class: "empty" }, "Say what the robot is to do, in your words. You see what it sees, why it chooses a grasp, and what it felt. Esc stops it at once."));
+  log.scrollTop = log.scrollHeight;
+}
+
+// Field, label, digits, scale to what is shown.
+const FIELDS = [["force", "force N", 1, 1], ["aperture", "open mm", 0, 1000], ["yaw", "yaw °", 0, 180 / Math.PI], ["standoff", "start mm", 0, 1000], ["speed", "speed", 2, 1]];
+
+export function showApproval(pending, limits, mayAct, send) {
+  const box = $("approval");
+  box.hidden = !pending;
+  if (!pending) return;
+  const inputs = FIELDS.map(([field, label, digits, scale]) => {
+    const [low, high] = (limits[field] ?? [-1e3, 1e3]).map((value) => value * scale);
+    const shown = Number((pending.grasp[field] * scale).toFixed(digits));
+    const hint = `${Number(low.toFixed(digits))} to ${Number(high.toFixed(digits))}`;
+    const input = h("input", { type: "number", name: field, step: "any", min: Math.floor(low * 100) / 100, max: Math.ceil(high * 100) / 100, value: shown, title: hint, required: true, disabled: !mayAct });
+    return [field, scale, shown, input, label];
+  });
+  const yes = h("button", { type: "submit", class: "yes", disabled: !mayAct }, "Approve");
+  const changed = () => inputs.filter(([, , was, input]) => Number(input.value) !== was);
+  fill(box, h("h2", {}, `May I grasp the ${pending.target}?`), h("p", { class: "why" }, pending.thought),
+    h("div", { class: "numbers" }, ...inputs.map(([, , , input, label]) => h("label", {}, label, input))),
+    h("div", { class: "row" }, yes, h("button", { type: "button", class: "no", disabled: !mayAct, onclick: () => send({ type: "reject" }) }, "Reject")));
+  box.oninput = () => { yes.textContent = changed().length ? "Approve with my numbers" : "Approve"; };
+  box.onsubmit = (event) => {
+    event.preventDefault();
+    const edits = changed();
+    if (!edits.length) send({ type: "approve" });
+    else send({ type: "edit", ...Object.fromEntries(edits.map(([field, scale, , input]) => [field, Number(input.value) / scale])) });
+  };
+  if (mayAct && document.activeElement === document.body) yes.focus();
+}
+
+export function showHints(words, send) {
+  fill($("hints"), ...words.map(([text, order]) => h("button", { type: "button", onclick: () => send(order) }, text)));
+}

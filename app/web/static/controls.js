@@ -1,0 +1,121 @@
+// Stop and release, scenes, sessions, speed, replays: everything in the bar and under the 3D view.
+import { $, fill, h } from "./dom.js";
+
+export function wireControls(page, send) {
+  const stop = () => { window.stopPressedAt = Date.now(); send({ type: "stop" }); };
+  $("stop").onclick = stop;
+  $("release").onclick = () => send({ type: "release" });
+  const onKey = (event) => { if (event.key === "Escape" && !document.querySelector("dialog[open]")) stop(); };
+  addEventListener("keydown", onKey);
+  // The 3D view is a document of its own: Esc must stop the robot there too.
+  const listen = () => $("view").contentWindow.addEventListener("keydown", onKey);
+  $("view").addEventListener("load", listen);
+  if ($("view").contentDocument?.readyState === "complete") listen();
+  $("asks").onchange = (event) => send({ type: "asks", on: event.target.checked });
+  $("speed").onchange = (event) => send({ type: "speed", value: Number(event.target.value) });
+  $("holder").onclick = () => { if (page.controls.free) send({ type: "take" }); };
+  wireDialogs(page, send);
+  const replay = wireReplay(page, send);
+  let timer = null;
+  return {
+    show: () => { showStatus(page); replay.show(); },
+    showReplays: replay.list,
+    showOffers: () => showOffers(page, send),
+    notice(text) {
+      $("notice").textContent = text;
+      $("notice").hidden = false;
+      clearTimeout(timer);
+      timer = setTimeout(() => { $("notice").hidden = true; }, 7000);
+    },
+  };
+}
+
+function showStatus(page) {
+  const { status, controls } = page;
+  const yours = controls.yours;
+  $("scene-name").textContent = `${(status.scene ?? "").split("/").at(-1).replace(/\.ya?ml$/, "")} · ${status.seed}`;
+  $("session-name").textContent = status.thread ?? "not kept";
+  $("speed").value = String(status.speed);
+  $("asks").checked = Boolean(status.asks);
+  $("release").hidden = !status.stopped;
+  $("stop").classList.toggle("on", Boolean(status.stopped));
+  $("stop").setAttribute("aria-pressed", String(Boolean(status.stopped)));
+  const halted = status.halted_ms === null || status.halted_ms === undefined ? "" : ` · physics halted after ${status.halted_ms.toFixed(0)} ms`;
+  const [kind, text] = status.stopped ? ["halt", `⬣ Stopped${halted}`] : status.replay !== null ? ["past", "↺ Replay, not live"] : status.busy ? ["busy", "Working"] : page.board.pending ? ["past", "Waits for your word"] : ["", "Live · ready"];
+  $("state").className = `chip ${kind}`;
+  $("state").textContent = text;
+  const holder = $("holder");
+  holder.className = `badge${controls.free && !yours ? " offer" : ""}`;
+  holder.textContent = yours ? "You have the controls" : controls.free ? "Take the controls" : `View only · page ${controls.holder} has the controls`;
+  for (const id of ["scene-open", "session-open", "speed", "asks", "release", "words"]) $(id).disabled = !yours;
+  document.querySelector(".send").disabled = !yours;
+  $("words").placeholder = !yours ? "Another page has the controls" : status.busy ? "Steer it: “gentler”, “no, by the handle”" : "Tell the robot what to do";
+}
+
+function wireDialogs(page, send) {
+  const close = (id) => $(id).close();
+  $("scene-open").onclick = () => { $("scene-seed").value = page.status.seed ?? 0; $("scene-dialog").showModal(); };
+  $("session-open").onclick = () => $("session-dialog").showModal();
+  $("picture-open").onclick = () => { $("picture-large").src = $("picture").dataset.whole; $("picture-dialog").showModal(); };
+  $("scene-go").onclick = () => { send({ type: "scene", name: $("scene-pick").value, seed: Number($("scene-seed").value) || 0 }); close("scene-dialog"); };
+  $("add-place").onchange = (event) => { $("add-x").disabled = $("add-y").disabled = !event.target.checked; };
+  $("add-go").onclick = () => {
+    const position = $("add-place").checked ? [Number($("add-x").value), Number($("add-y").value)] : null;
+    send({ type: "add", model: $("add-pick").value, position });
+    close("scene-dialog");
+  };
+  $("session-new").onclick = () => { send({ type: "fresh" }); close("session-dialog"); };
+}
+
+function showOffers(page, send) {
+  const { scenes, models, sessions } = page.offers;
+  fill($("scene-pick"), ...scenes.map((s) => h("option", { value: s.name, selected: s.name === page.status.scene }, s.say ? `${s.name}: ${s.say}` : s.name)));
+  fill($("add-pick"), ...models.map((m) => h("option", { value: m }, m.replaceAll("_", " "))));
+  const rows = sessions.map((s) => {
+    const here = s.thread === page.status.thread;
+    const act = (action) => () => { send({ type: "session", action, thread: s.thread }); if (action === "open") $("session-dialog").close(); };
+    return h("div", { class: "session" }, h("div", {}, h("b", {}, s.thread), here ? " (open)" : "", h("div", { class: "soft" }, `${s.scene || "?"} · seed ${s.seed} · ${s.turns} turns${s.last ? ` · “${s.last.slice(0, 60)}”` : ""}`)),
+      h("button", { type: "button", class: "small", disabled: here, onclick: act("open") }, "Open"), h("button", { type: "button", class: "small no", disabled: here, onclick: act("delete") }, "Delete"));
+  });
+  fill($("sessions"), ...(rows.length ? rows : [h("p", { class: "session soft" }, "No session is kept yet.")]));
+}
+
+function wireReplay(page, send) {
+  const at = $("replay-at"), run = $("replay-run");
+  let player = null;
+  const length = () => page.replays.find((r) => String(r.run) === run.value)?.seconds ?? 0;
+  const pause = () => { clearInterval(player); player = null; $("replay-play").textContent = "Play"; };
+  const move = () => {
+    send({ type: "replay", run: Number(run.value), share: at.value / 1000 });
+    $("replay-time").textContent = `${((at.value / 1000) * length()).toFixed(1)} s`;
+  };
+  at.oninput = () => { pause(); move(); };
+  run.onchange = () => { pause(); at.value = 0; move(); };
+  $("replay-play").onclick = () => {
+    if (player) return pause();
+    if (Number(at.value) >= 1000) at.value = 0;
+    $("replay-play").textContent = "Pause";
+    const begun = Date.now(), from = at.value / 1000;
+    player = setInterval(() => {
+      const share = from + (Date.now() - begun) / 1000 / Math.max(length(), 0.1);
+      at.value = Math.min(1000, share * 1000);
+      move();
+      if (share >= 1) pause();
+    }, 100);
+  };
+  $("replay-live").onclick = () => { pause(); send({ type: "live" }); at.value = 1000; };
+  const show = () => {
+    const usable = page.replays.length > 0 && !page.status.busy && page.controls.yours;
+    at.disabled = run.disabled = $("replay-play").disabled = !usable;
+    $("replay-live").disabled = page.status.replay === null || page.status.replay === undefined;
+    if (page.status.busy) pause();
+    if (page.status.replay === null) $("replay-time").textContent = "live";
+  };
+  const list = () => {
+    const kept = run.value;
+    fill(run, ...(page.replays.length ? page.replays.map((r) => h("option", { value: r.run }, `${r.words} (${r.seconds} s)`)) : [h("option", { value: "" }, "no motion yet")]));
+    if (page.replays.some((r) => String(r.run) === kept)) run.value = kept;
+    show();
+  };
+  return { show, list };
+}

@@ -1,0 +1,110 @@
+// Connects to the robot, hands messages to the panels, and orders back. The server checks every order again.
+import { addEntry, showApproval, showHints, showTranscript } from "./chat.js";
+import { wireControls } from "./controls.js";
+import { $ } from "./dom.js";
+import { showGrasps, showLamps, showMemory, showPictures, showScene, showWhy, wireTabs } from "./panels.js";
+import { showAttempts } from "./timeline.js";
+
+const page = { status: {}, board: {}, offers: { scenes: [], models: [], sessions: [], limits: {} }, replays: [], controls: { yours: false }, camera: "front" };
+let socket = null;
+let waiting = 500;
+
+function identity() {
+  let id = sessionStorage.getItem("page");
+  if (!id) sessionStorage.setItem("page", (id = crypto.randomUUID?.() ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (b) => b.toString(16).padStart(2, "0")).join("")));
+  return id;
+}
+
+export function send(order) {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
+}
+
+const chooseTab = wireTabs();
+const controls = wireControls(page, send);
+
+const PARTS = {
+  look: () => showScene(page.board.look, page.board.graph),
+  graph: () => showScene(page.board.look, page.board.graph),
+  constraints: (value) => showLamps(value),
+  plan: (value) => { showGrasps(value, send); showWhy(value, page.board.experiences); },
+  experiences: () => showWhy(page.board.plan, page.board.experiences),
+  attempts: (value) => showAttempts(value),
+  memory: (value) => showMemory(value),
+  pictures: (value) => showPictures(value, page.camera, (name) => { page.camera = name; PARTS.pictures(page.board.pictures); }),
+  pending: (value) => { showApproval(value, page.offers.limits, page.controls.yours, send); hints(); },
+};
+
+function hints() {
+  const scene = page.offers.scenes.find((s) => s.name === page.status.scene);
+  const say = (text) => [text, { type: "say", text }];
+  const done = page.board.attempts?.length;
+  const words = page.status.unfinished ? [[`Go on: ${page.status.unfinished.slice(0, 40)}`, { type: "resume" }]] : [];
+  if (!page.status.busy && !page.board.pending && page.controls.yours) {
+    if (done) words.push(["Why?", { type: "why" }], ["What if 4 N?", { type: "whatif", force: 4 }], ["Undo", { type: "undo" }]);
+    else words.push(say(scene?.say || "pick it up"));
+    words.push(say("what do you see"));
+  }
+  showHints(words, send);
+}
+
+function status(next) {
+  const before = page.status;
+  page.status = next;
+  controls.show();
+  if (next.busy !== before.busy || next.unfinished !== before.unfinished || next.scene !== before.scene) hints();
+}
+
+const HANDLERS = {
+  hello(message) {
+    Object.assign(page, { board: message.board, replays: message.replays, offers: message.offers ?? page.offers });
+    status(message.status);
+    showTranscript(message.transcript);
+    for (const part of ["constraints", "plan", "look", "attempts", "memory", "pictures", "pending"]) PARTS[part](page.board[part]);
+    controls.showReplays();
+    controls.showOffers();
+    hints();
+  },
+  status: (message) => status(message.status),
+  board(message) {
+    page.board[message.part] = message.value;
+    PARTS[message.part]?.(message.value);
+    if (message.part === "attempts" && message.value.at(-1)?.state === "moving" && message.value.at(-1).curve.length === 0) chooseTab("tab-attempts");
+    if (message.part === "pending" && message.value) chooseTab("tab-grasps");
+  },
+  entry(message) {
+    document.querySelector("#log > .empty")?.remove();
+    addEntry(message.entry);
+  },
+  replays(message) { page.replays = message.value; controls.showReplays(); },
+  offers(message) { page.offers = message.value; controls.showOffers(); },
+  controls(message) { page.controls = message; controls.show(); PARTS.pending(page.board.pending); },
+  notice: (message) => controls.notice(message.text),
+};
+
+function connect() {
+  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/talk`);
+  socket.onopen = () => {
+    waiting = 500;
+    $("lost").hidden = true;
+    send({ type: "enter", page: identity() });
+  };
+  socket.onmessage = (event) => {
+    const message = JSON.parse(event.data);
+    HANDLERS[message.type]?.(message);
+  };
+  socket.onclose = () => {
+    $("lost").hidden = false;
+    setTimeout(connect, waiting);
+    waiting = Math.min(waiting * 2, 8000);
+  };
+}
+
+$("compose").onsubmit = (event) => {
+  event.preventDefault();
+  const text = $("words").value.trim();
+  if (!text) return;
+  send({ type: "say", text });
+  $("words").value = "";
+};
+$("words").focus();
+connect();

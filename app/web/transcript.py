@@ -1,0 +1,108 @@
+"""What was said and done, as the page shows it: one entry a step, kept with the session so that a reload finds it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from app.steps import DETAILS, LABELS
+from app.verdict_block import attempt_line
+
+KEPT = 400
+"""Entries shown to a page that opens."""
+MAX_BYTES = 2_000_000
+"""Of the file: from here on it is written anew with the last `KEPT` entries."""
+FILE = "transcript.jsonl"
+MORE_LABELS = {
+    "said": "You",
+    "asked": "Approval",
+    "heeded": "Heeded",
+    "explained": "Why",
+    "compared": "Compared",
+    "whatif": "What if",
+    "stopped": "Stopped",
+    "noted": "Note",
+    "refused": "Not done",
+}
+
+
+def entry_of(step: Any) -> dict[str, Any] | None:
+    """A step as an entry: who speaks, one sentence, and the numbers under it; None if it adds nothing."""
+    if step.kind == "finished":
+        return _verdict(step.result)
+    label = LABELS[step.kind][0] if step.kind in LABELS else MORE_LABELS.get(step.kind, step.kind.capitalize())
+    details = DETAILS.get(step.kind)
+    first, *rest = str(step.text).splitlines() or [""]
+    extra = [*rest, *((line for line in details(step) if line not in step.text) if details else ())]
+    return {"kind": step.kind, "label": label, "text": first, "details": [*extra, *_facts(step)][:40]}
+
+
+def _verdict(result: Any) -> dict[str, Any] | None:
+    """What the observer saw, beside what the robot claims; the answer itself has been said."""
+    goals = [goal for goal in result.goals if goal.attempts or goal.verdict is not None]
+    if not goals or not result.executed:
+        return None
+    wrong = any(goal.claimed != goal.success for goal in goals)
+    text = f"The observer saw {'success' if result.success else 'no success'}."
+    if wrong:
+        text += " The robot is wrong about it."
+    if result.damage_events:
+        text += f" Damage events: {result.damage_events}."
+    lines = [attempt_line(attempt) for goal in goals for attempt in goal.attempts]
+    return {"kind": "finished", "label": "Verdict", "text": text, "details": lines[:40]}
+
+
+def _facts(step: Any) -> list[str]:
+    """The typed facts of the conversation's own answers."""
+    if step.kind == "explained":
+        rejected = [f"rejected {count} candidates: {reason}" for reason, count in step.rejected.items()]
+        return [f"{fact.field}: {', '.join(fact.sources)}" for fact in step.facts] + [*step.constraints, *rejected]
+    if step.kind == "compared":
+        return [f"{row.field}: {row.first} | {row.second}" for row in step.rows]
+    return []
+
+
+class Transcript:
+    """The entries of one session, in memory and on disk."""
+
+    def __init__(self, folder: Path | None) -> None:
+        """Reads what an earlier process kept of the session in `folder`; None keeps entries in memory only."""
+        self.entries: list[dict[str, Any]] = []
+        self._path = None if folder is None else folder / FILE
+        if self._path is not None and self._path.is_file():
+            self.entries = _read(self._path)
+
+    def add(self, entry: dict[str, Any]) -> None:
+        """Appends an entry. On a full disk it is kept in memory; the checkpoints, which matter, say so themselves."""
+        self.entries = [*self.entries[-KEPT + 1 :], entry]
+        if self._path is None:
+            return
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            if self._path.is_file() and self._path.stat().st_size > MAX_BYTES:
+                self._path.write_text("".join(json.dumps(e) + "\n" for e in self.entries), encoding="utf-8")
+                return
+            with self._path.open("a", encoding="utf-8") as stream:
+                stream.write(json.dumps(entry) + "\n")
+        except OSError:
+            return
+
+
+def _read(path: Path) -> list[dict[str, Any]]:
+    """The last entries; lines that were cut off by a kill are left out."""
+    try:
+        with path.open("rb") as stream:
+            stream.seek(max(0, path.stat().st_size - MAX_BYTES))
+            lines = stream.read().decode("utf-8", errors="replace").splitlines()
+    except OSError:
+        return []
+    entries = []
+    for line in lines[-KEPT:]:
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(entry, dict) and isinstance(entry.get("text"), str):
+            entries.append(entry)
+    return entries
