@@ -11,7 +11,7 @@ from kb.errors import BadInputError
 from kb.grasp import Grasp, GraspField, Provenance
 from kb.sensing import Plan
 
-Verb = Literal["approve", "reject", "edit"]
+Verb = Literal["approve", "reject", "edit", "steer"]
 
 
 class Decision(Noun):
@@ -20,6 +20,8 @@ class Decision(Noun):
     verdict: Verb
     grasp: Grasp | None = None
     """The edited grasp, for "edit"."""
+    words: str = ""
+    """How it should be done instead, for "steer"."""
 
 
 class Proposal(Noun):

@@ -43,12 +43,32 @@ class Attempt(Noun):
     """Opaque snapshot of the world before the motion, for simulating what would have happened."""
 
 
+KEPT_ATTEMPTS, KEPT_MOMENTS = 64, 8
+"""Attempts of earlier turns that are kept, and attempts whose saved moment is: every checkpoint holds them all."""
+
+
 def add_attempts(old: tuple[Attempt, ...], new: tuple[Attempt, ...]) -> tuple[Attempt, ...]:
-    """Reducer of H: attempts in order of their numbers; one that comes again (with its diagnosis) replaces the former."""
+    """Reducer of H: attempts in order of their numbers; one that comes again (with its diagnosis) replaces the former.
+
+    The turn in work keeps all of its attempts; of earlier turns the latest are kept, and only of the last few the moment
+    before them and the look they were planned on.
+    """
     if not new:
         return old
     numbers = {attempt.number: attempt for attempt in (*old, *new)}
-    return tuple(numbers[number] for number in sorted(numbers))
+    kept = [numbers[number] for number in sorted(numbers)]
+    turn = kept[-1].turn
+    earlier = [a for a in kept if a.turn != turn][-KEPT_ATTEMPTS:]
+    kept = [*earlier, *(a for a in kept if a.turn == turn)]
+    return tuple(_lighter(a, turn) for a in kept[:-KEPT_MOMENTS]) + tuple(kept[-KEPT_MOMENTS:])
+
+
+def _lighter(attempt: Attempt, turn: int) -> Attempt:
+    """The attempt without its saved moment, and without the look unless its own turn still needs that."""
+    if not attempt.before and (attempt.percept is None or attempt.turn == turn):
+        return attempt
+    percept = attempt.percept if attempt.turn == turn else None
+    return attempt.model_copy(update={"before": b"", "percept": percept})
 
 
 class Held(Noun):

@@ -14,6 +14,7 @@ from kb.vocabulary import EvaluatorName, FailureType, PerceptionName
 
 if TYPE_CHECKING:
     from agent.brain import Brain
+    from agent.safety.limits import BrainLimits
     from kb.percept import PerceivedObject
     from memory import EpisodicMemory
     from tools.open_world import OpenedWorld
@@ -39,14 +40,18 @@ def build_agent(
     opened: OpenedWorld | None = None,
     perceiver: Any = None,
     base_url: str | None = None,
+    record_brain: str | Path | None = None,
+    brain_pictures: bool = True,
+    brain_limits: BrainLimits | None = None,
+    graph: Callable[[Any], Any] | None = None,
 ) -> Agent:
     """An agent in a scene.
 
     Args:
         scene: built-in name or path of a scene file (default "single_cup"; of a known thread: its own).
         seed: everything random follows from it (default 0; of a known thread: its own).
-        brain: "rules", or a brain object.
-        perception: "rgbd" from pixels, or "oracle".
+        brain: "rules", "openai:MODEL", "hf:FOLDER", "replay:FILE", or a brain object.
+        perception: "rgbd" from pixels, "vlm" with names from the brain, or "oracle".
         evaluator: "mujoco" or "analytic".
         configuration: a name from `agent.configuration`.
         thread: name under which the conversation is kept on disk, or None to forget it.
@@ -59,6 +64,10 @@ def build_agent(
         opened: a world that is open already, at its start (shared by the configurations of a trial).
         perceiver: replaces the perceiver (shared caches, tests).
         base_url: server of an "openai:" brain.
+        record_brain: file that keeps the exchanges with a language model; what stands in it is not asked again.
+        brain_pictures: whether a language model is sent pictures.
+        brain_limits: calls, tokens and seconds that a language model may take for an instruction.
+        graph: makes the graph from a checkpointer (default: the task graph alone).
 
     Raises:
         BadInputError: an unknown name, or a thread of another scene, seed or evaluator.
@@ -67,19 +76,28 @@ def build_agent(
     from agent.checkpoint import default_threads, memory_saver, sqlite_saver
     from agent.context import AgentContext
     from agent.graph import compile_graph
+    from agent.safety.limits import BrainLimits
     from agent.world_handle import WatchedRobot, WorldHandle
     from kb.shape_colour import ShapeColourEmbedder
     from tools.context import ToolContext
     from tools.open_world import open_perceiver, open_world
 
     chosen = configuration_named(configuration)
-    thinker = brain_named(brain, base_url) if isinstance(brain, str) else brain
     seeing = chosen.perception or perception
     saver = memory_saver() if thread is None else sqlite_saver(Path(threads) if threads else default_threads())
-    graph = compile_graph(saver)
-    kept = graph.get_state({"configurable": {"thread_id": thread or "here"}}).values
+    compiled = (graph or compile_graph)(saver)
+    kept = compiled.get_state({"configurable": {"thread_id": thread or "here"}}).values
     scene, seed = _same_world(kept, scene, seed, thread)
     opened = opened or open_world(scene, seed, evaluator=evaluator, noise=noise)
+    stop = opened.stop
+    thinker = (
+        brain_named(
+            brain, base_url, seed=seed, record=record_brain, pictures=brain_pictures, stopped=lambda: stop.pressed
+        )
+        if isinstance(brain, str)
+        else brain
+    )
+    _refuse_nameless(seeing, thinker)
     embedder = ShapeColourEmbedder()
     tools = ToolContext(
         robot=WatchedRobot(opened.robot),
@@ -92,10 +110,24 @@ def build_agent(
     context = AgentContext(
         tools=tools, brain=thinker, world=WorldHandle(opened), scene=scene, seed=seed, approve=approve is not None,
         dry_run=dry_run, oracle_failure=_oracle(opened) if chosen.switches.diagnosis == "oracle_phi" else None,
-        clock=time.perf_counter, start_memory=memory,
+        clock=time.perf_counter, start_memory=memory, names_objects=seeing == "vlm",
+        limits=brain_limits or BrainLimits(),
     )  # fmt: skip
     names = {"configuration": configuration, "brain": thinker.name, "perception": seeing, "evaluator": evaluator}
-    return Agent(context, graph, names, thread=thread, approve=approve)
+    return Agent(context, compiled, names, thread=thread, approve=approve)
+
+
+def _refuse_nameless(perception: str, brain: Brain) -> None:
+    """Names from a picture need a brain that sees.
+
+    Raises:
+        EnvironmentFaultError: "vlm" with the rules brain.
+    """
+    if perception == "vlm" and brain.name == "rules":
+        raise EnvironmentFaultError(
+            "perception 'vlm' needs a vision-language model",
+            mend="add --brain openai:MODEL or --brain hf:FOLDER, or use --perception rgbd",
+        )
 
 
 def _same_world(kept: dict[str, Any], scene: str | None, seed: int | None, thread: str | None) -> tuple[str, int]:
@@ -133,18 +165,34 @@ def _oracle(opened: OpenedWorld) -> Callable[[int, PerceivedObject], FailureType
     return failure
 
 
-def brain_named(name: str, base_url: str | None = None) -> Brain:
+def brain_named(
+    name: str,
+    base_url: str | None = None,
+    *,
+    seed: int = 0,
+    record: str | Path | None = None,
+    pictures: bool = True,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Brain:
     """The brain of that name.
+
+    Args:
+        name: "rules", "openai:MODEL", "hf:FOLDER" or "replay:FILE".
+        base_url: server of an "openai:" brain.
+        seed: the waits between trials follow from it.
+        record: file in which exchanges are kept; what stands in it already is not asked again.
+        pictures: whether an "openai:" brain is sent pictures.
+        stopped: whether a person wants everything to end.
 
     Raises:
         BadInputError: unknown name.
         EnvironmentFaultError: a language model that is not available here.
     """
-    del base_url
     if name == "rules":
         from agent.brains.rules import RulesBrain
 
         return RulesBrain()
-    if name.startswith(("openai:", "hf:")):
-        raise EnvironmentFaultError(f"brain {name!r} is not available in this version", mend="use --brain rules")
-    raise BadInputError(f"unknown brain {name!r}", choices=("rules", "openai:MODEL", "hf:MODEL_OR_FOLDER"))
+    from agent.brains.model import ModelBrain
+    from agent.brains.named import chat_named
+
+    return ModelBrain(chat_named(name, base_url, seed=seed, record=record, pictures=pictures, stopped=stopped))

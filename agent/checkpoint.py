@@ -12,6 +12,7 @@ TYPES: tuple[tuple[str, str], ...] = (
     ("agent.attempt", "Attempt"),
     ("agent.attempt", "Held"),
     ("agent.attempt", "Moved"),
+    ("agent.chat.call", "Call"),
     ("agent.goal", "Goal"),
     ("kb.constraint", "Constraints"),
     ("kb.experience", "Retrieval"),
@@ -24,6 +25,7 @@ TYPES: tuple[tuple[str, str], ...] = (
     ("kb.sensing", "Sensing"),
     ("memory.episodic", "EpisodicMemory"),
     ("tools.classify_failure", "Diagnosis"),
+    ("tools.planning.demand", "Demand"),
 )
 """The types that stand in the state; everything inside them is plain data that pydantic validates again."""
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from agent.brain import Brain
@@ -45,6 +46,12 @@ class AgentContext:
     limits: BrainLimits = field(default_factory=BrainLimits)
     names_objects: bool = False
     """The brain names what is seen (`--perception vlm`)."""
+    mail: Callable[[], tuple[str, ...]] = field(default=lambda: ())
+    """What a person has said since the last call, while the robot was at work (a conversation)."""
+    thread: str = "here"
+    """Name of the conversation."""
+    folder: Path | None = None
+    """Folder of the session, for pictures; None where nothing is kept."""
     oracle_failure: Callable[[int, PerceivedObject], FailureType | None] | None = None
     """Only for the configuration `oracle_phi`: the evaluator's own label of a motion."""
 

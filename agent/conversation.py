@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING, Any
 
 from agent.checkpoint import prune
-from kb.errors import BadInputError
+from kb.errors import BadInputError, EnvironmentFaultError
 
 if TYPE_CHECKING:
     from agent.events import BaseStep
@@ -106,7 +106,7 @@ class Agent:
             raise BadInputError("this agent is busy with another instruction", where="run")
         try:
             start = self.context.clock()
-            entry: Any = None if self.interrupted == text else {"instruction": text, "times": {}, "use": None}
+            entry: Any = None if self.interrupted == text else {**begin(text), "demands": ()}
             while entry is not False:
                 yield from self.steps(entry)
                 entry = yield from self._decide()
@@ -156,7 +156,7 @@ class Agent:
             self.context.emit = lambda _step: None
         worker.join()
         if failures:
-            raise failures[0]
+            raise _told(failures[0])
 
     def _decide(self) -> Generator[BaseStep, None, Any]:
         """Where the graph waits for a person: asks, and returns the command that goes on; False if it does not wait."""
@@ -185,11 +185,28 @@ class Agent:
 
     def stop(self) -> None:
         """Stops the robot and latches: nothing moves until `release`. May be called from any thread."""
-        self.opened.stop.press()
+        self.context.world.stop()
 
     def release(self) -> None:
         """Lets the robot move again, on request."""
         self.opened.stop.release()
+
+
+def _told(failure: BaseException) -> BaseException:
+    """What could not be saved as one line with its mend; anything else as it is."""
+    import sqlite3
+
+    if isinstance(failure, sqlite3.Error):
+        return EnvironmentFaultError(
+            f"cannot save the conversation: {failure}; what was saved before is kept",
+            mend="make room on the disk or set RAGVLM_HOME, then open the thread again",
+        )
+    return failure
+
+
+def begin(instruction: str) -> dict[str, Any]:
+    """The update of the state with which a turn begins."""
+    return {"instruction": instruction, "said": "", "call": None, "calls": (), "times": {}, "use": None}
 
 
 def checked(instruction: str) -> str:

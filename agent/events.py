@@ -99,7 +99,7 @@ class Approval(BaseStep):
 
     kind: Literal["approval"] = "approval"
     plan: Plan | None = None
-    decision: Literal["asked", "approve", "reject", "edit"] = "asked"
+    decision: Literal["asked", "approve", "reject", "edit", "steer"] = "asked"
 
 
 class Action(BaseStep):

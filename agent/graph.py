@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import lru_cache
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 from langgraph.graph import StateGraph
 
@@ -18,12 +18,19 @@ from agent.state import State
 def wire(
     schema: type[Any] = AgentContext,
     wrap: Callable[[Callable[..., Any]], Callable[..., Any]] = lambda function: function,
+    *,
+    entry: str | None = "understand",
+    before_motion: str | None = None,
+    after_answer: str | None = None,
 ) -> StateGraph[State, Any, State, State]:
     """The graph before compilation.
 
     Args:
         schema: type of the injected context.
         wrap: applied to each node and routing function that reads the context.
+        entry: the first node; None leaves that to whoever wires more around this graph.
+        before_motion: a node that each way to a motion leads through first; it knows where to go on.
+        after_answer: where a turn goes when it has been answered, instead of to the end.
     """
     graph = StateGraph(State, context_schema=schema)
     for node in (
@@ -33,10 +40,11 @@ def wire(
         nodes.conclude, nodes.answer, simulate,
     ):  # fmt: skip
         graph.add_node(node.__name__, wrap(node))
-    graph.set_entry_point("understand")
+    if entry is not None:
+        graph.set_entry_point(entry)
     graph.add_conditional_edges("understand", routing.after_understand)
     graph.add_edge("look", "ground")
-    graph.add_conditional_edges("ground", wrap(routing.after_ground))
+    graph.add_conditional_edges("ground", wrap(routing.after_ground), _through(routing.after_ground, before_motion))
     graph.add_conditional_edges("retrieve", wrap(routing.after_retrieve))
     graph.add_conditional_edges("build_graph", wrap(routing.after_graph))
     graph.add_conditional_edges("constrain", routing.after_constrain)
@@ -44,7 +52,7 @@ def wire(
     graph.add_conditional_edges("choose", routing.go_on)
     graph.add_conditional_edges("plan", routing.after_plan)
     graph.add_edge("look_once_more", "look")
-    graph.add_conditional_edges("think", wrap(routing.after_think))
+    graph.add_conditional_edges("think", wrap(routing.after_think), _through(routing.after_think, before_motion))
     graph.add_conditional_edges("rehearse", routing.go_on)
     graph.add_conditional_edges("approve", routing.after_approve)
     graph.add_edge("act", "observe")
@@ -52,13 +60,27 @@ def wire(
     graph.add_edge("set_back", "look_after")
     graph.add_edge("look_after", "observe")
     graph.add_conditional_edges("reflect", routing.after_reflect)
-    graph.add_conditional_edges("remember", routing.after_remember)
+    graph.add_conditional_edges("remember", routing.after_remember, _through(routing.after_remember, before_motion))
     graph.add_conditional_edges("place", routing.go_on)
     graph.add_conditional_edges("give_up", routing.go_on)
     graph.add_conditional_edges("conclude", routing.go_on)
     graph.add_conditional_edges("simulate", routing.go_on)
-    graph.add_conditional_edges("answer", routing.at_the_end)
+    if after_answer is None:
+        graph.add_conditional_edges("answer", routing.at_the_end)
+    else:
+        graph.add_edge("answer", after_answer)
     return graph
+
+
+MOTIONS = ("act", "approve", "place")
+"""The nodes with which a motion begins."""
+
+
+def _through(route: Callable[..., Any], gate: str | None) -> dict[Hashable, str] | None:
+    """Where each word of a route leads: motions by way of the gate, everything else to its own node."""
+    if gate is None:
+        return None
+    return {word: gate if word in MOTIONS else word for word in get_args(get_type_hints(route)["return"])}
 
 
 def compile_graph(checkpointer: Any = None) -> Any:

@@ -132,7 +132,7 @@ def _thing(state: State, percept: Percept) -> Grounded:
     held = state.held
     if held is not None and obj.id != held.object.id:
         return _free_hand(state, held)
-    placement, problem = _destination(goal.placement, scope)
+    placement, problem = destination(goal.placement, scope)
     if held is None and placement is not None and placement.kind == "back":
         if state.moved is None or state.moved.id != obj.id:
             return _over(state, "I have moved nothing that I could put back.")
@@ -169,7 +169,7 @@ def _free_hand(state: State, held: Held) -> Grounded:
     return Grounded(push(state, back), (events.SubGoal(text=text, goal=state.current, pushed=back),))
 
 
-def _destination(placement: Placement | None, scope: Scope) -> tuple[Placement | None, str | None]:
+def destination(placement: Placement | None, scope: Scope) -> tuple[Placement | None, str | None]:
     """The placement with its reference grounded, or what is wrong with it."""
     if placement is None or placement.reference is None:
         return placement, None

@@ -11,6 +11,7 @@ from agent import events, phrases
 from agent.agenda import finish
 from agent.approval import Decision, apply_decision, proposal
 from agent.attempt import Attempt, Held, Moved
+from agent.chat.steer import steered
 from agent.compare_looks import compare_looks
 from agent.context import AgentContext
 from agent.episode import history, with_success
@@ -37,6 +38,15 @@ def approve(state: State, runtime: Run) -> Update:
     runtime.context.emit(events.Approval(text=text, goal=state.current, plan=state.plan, decision=decision.verdict))
     if decision.verdict == "reject":
         return Update(agenda=(), goals=finish(state, claimed=False, note="you did not approve it").get("goals", ()))
+    if decision.verdict == "steer":
+        changed = steered(state, decision.words, context=runtime.context)
+        if "agenda" in changed or changed.get("plan", state.plan) is None:
+            return changed
+        decision = Decision(verdict="reject")  # nothing was understood that could be heeded: nothing may move
+        return merged(
+            changed,
+            Update(agenda=(), goals=finish(state, claimed=False, note="you wanted it otherwise").get("goals", ())),
+        )
     return Update(plan=apply_decision(state.plan, decision))
 
 

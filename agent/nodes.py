@@ -38,6 +38,9 @@ from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
 
 Run = Runtime[AgentContext]
 
+KEPT_MOTIONS = 24
+"""Motions of earlier turns that the observer still knows: its record is part of every checkpoint."""
+
 
 def situation(state: State, context: AgentContext) -> Situation:
     """The facts that a brain may use."""
@@ -69,16 +72,18 @@ def understand(state: State, runtime: Run) -> Update:
     """Instruction -> typed goals."""
     context, times = runtime.context, dict[str, float]()
     turn = state.turn + 1
+    context.world.opened.forget(KEPT_MOTIONS)
+    given, use = state.call.goals if state.call is not None else (), ModelUse()
     with context.timed("brain", times):
-        got, use = understood(state, context)
-    said = HumanMessage(state.instruction, id=f"turn-{turn}-person")
+        got, use = (Understanding(goals=given), use) if given else understood(state, context)
     context.emit(events.Understood(text=phrases.understood(got), goals=got.goals))
     return merged(
         Update(
             scene=context.scene,
             seed=context.seed,
             turn=turn,
-            messages=[said],
+            # In a conversation the person's words are in it already.
+            messages=[] if state.said else [HumanMessage(state.instruction, id=f"turn-{turn}-person")],
             goals=got.goals,
             agenda=agenda.ordered(got.goals),
             answer=got.refusal or got.question or "",
@@ -218,6 +223,7 @@ def plan(state: State, runtime: Run) -> Update:
         correction=state.correction,
         tried=tuple(a.plan for a in tries),
         attempt=len(tries),
+        demands=state.demands,
     )
     with context.timed("planning", times):
         outcome = plan_grasp(args, context.tool("plan", len(state.attempts)))

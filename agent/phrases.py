@@ -227,6 +227,7 @@ def decided(decision: Decision) -> str:
         "approve": "You approved the motion.",
         "reject": "You did not approve the motion.",
         "edit": "You changed the grasp.",
+        "steer": f"You want it otherwise: {decision.words}.",
     }[decision.verdict]
 
 

@@ -87,9 +87,11 @@ def after_think(state: State, runtime: Run) -> Literal["act", "approve", "rehear
     return "approve" if runtime.context.approve else "act"
 
 
-def after_approve(state: State) -> Literal["act", "answer"]:
-    """Nothing moves without the person's word."""
-    return "act" if state.agenda and state.plan is not None else "answer"
+def after_approve(state: State) -> Literal["act", "ground", "plan", "answer"]:
+    """Nothing moves without the person's word; whoever wants it otherwise gets another plan."""
+    if not state.agenda:
+        return "answer"
+    return "act" if state.plan is not None else "ground" if state.goal.target is None else "plan"
 
 
 def after_observe(state: State) -> Literal["remember", "set_back", "reflect"]:

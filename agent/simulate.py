@@ -1,6 +1,9 @@
-"""What would have happened with another force: the saved moment before the last attempt, simulated again, never guessed."""
+"""What would have happened otherwise: the saved moment before an attempt, run again in a world apart, never guessed."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
 
 from langgraph.runtime import Runtime
 
@@ -11,9 +14,13 @@ from agent.context import AgentContext
 from agent.draws import draws
 from agent.state import State, Update, merged
 from kb.percept import Percept
-from kb.sensing import Evidence, Plan
+from kb.sensing import Evidence, Plan, Sensing
 from tools.classify_failure import ClassifyArgs, Diagnosis, classify_failure
+from tools.context import ToolContext
 from tools.execute_grasp import ExecuteArgs, execute_grasp
+from tools.plan_grasp import PlanArgs, PlanOutcome, plan_grasp
+from tools.planning.demand import Demand
+from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
 
 
 def simulate(state: State, runtime: Runtime[AgentContext]) -> Update:
@@ -32,12 +39,22 @@ def simulate(state: State, runtime: Runtime[AgentContext]) -> Update:
     context.emit(events.Thought(text=f"{text}{last.plan.grasp.force:.1f} N.", goal=state.current))
     times: dict[str, float] = {}
     with context.timed("execution", times):
-        diagnosis, load = rerun(context, last, plan)
-    note = told(diagnosis, force, last, name, load)
+        run = rerun(context, last, plan)
+    note = told(run, f"{force:g} N", last)
     context.emit(
-        events.Observation(text=note, goal=state.current, claimed=diagnosis.claimed, failure=diagnosis.failure)
+        events.Observation(text=note, goal=state.current, claimed=run.diagnosis.claimed, failure=run.diagnosis.failure)
     )
     return merged(Update(times=times), finish(state, claimed=True, note=note))
+
+
+@dataclass(frozen=True)
+class Rerun:
+    """How a grasp ended in the world apart."""
+
+    diagnosis: Diagnosis
+    sensing: Sensing
+    views: tuple[Any, ...] = ()
+    """Pictures of the end (`kb.rgbd.RgbdView`), if they were asked for."""
 
 
 def last_grasp(state: State) -> Attempt | None:
@@ -45,36 +62,75 @@ def last_grasp(state: State) -> Attempt | None:
     return next((a for a in reversed(state.attempts) if a.before), None)
 
 
-def rerun(context: AgentContext, last: Attempt, plan: Plan) -> tuple[Diagnosis, float]:
-    """Executes `plan` in another world from the moment before `last`: the robot's own diagnosis, and the load [kg]."""
-    other = context.world.opened.reopen()
-    other.restore(last.before)
-    percept = last.percept or Percept(look=0, perception="rgbd", objects=(last.target,))
-    tools = context.tools.with_rng(draws(context.seed, "act", last.number))
-    tools.robot, tools.stop = other.robot, other.stop
-    sensing = execute_grasp(ExecuteArgs(plan=plan, percept=percept, target=last.target.id), tools)
+def rerun(context: AgentContext, attempt: Attempt, plan: Plan, *, pictures: bool = False) -> Rerun:
+    """Executes `plan` in another world from the moment before `attempt`.
+
+    Args:
+        context: The agent's; its own world stays untouched.
+        attempt: The attempt whose saved moment is gone back to.
+        plan: What is executed there.
+        pictures: Whether to look at the end.
+    """
+    tools = _apart(context, attempt)
+    percept = _percept(attempt)
+    sensing = execute_grasp(ExecuteArgs(plan=plan, percept=percept, target=attempt.target.id), tools)
+    views = tuple(tools.robot.look(draws(context.seed, "whatif", attempt.number))) if pictures else ()
     diagnosis = classify_failure(
         ClassifyArgs(
             plan=plan,
             evidence=Evidence(sensing=sensing),
-            constraints=last.constraints,
-            target=last.target,
+            constraints=attempt.constraints,
+            target=attempt.target,
             percept=percept,
         ),
         tools,
     )
-    return diagnosis, sensing.load_end
+    return Rerun(diagnosis, sensing, views)
 
 
-def told(diagnosis: Diagnosis, force: float, last: Attempt, name: str, load: float) -> str:
-    """The outcome in words, beside what really happened."""
-    reasons = "; ".join(diagnosis.reasons)
-    if diagnosis.claimed:
-        what = (
-            f"Simulated with {force:g} N: the {name} would have been lifted and held ({load * 1000:.0f} g in the hand)."
+def replan(context: AgentContext, attempt: Attempt, demands: tuple[Demand, ...]) -> PlanOutcome:
+    """A grasp for the moment before `attempt` that does what is demanded, on the same look and the same experiences."""
+    target = attempt.target
+    tools = _apart(context, attempt)
+    retrieval = None
+    if context.switches.retrieval != "none":
+        retrieval = retrieve_haarag(
+            RetrieveArgs(category=target.category, affordance=target.affordance, embedding=target.embedding), tools
         )
+    args = PlanArgs(
+        percept=_percept(attempt),
+        target=target.id,
+        retrieval=retrieval,
+        constraints=attempt.constraints,
+        correction=attempt.correction,
+        demands=demands,
+    )
+    return plan_grasp(args, tools)
+
+
+def _apart(context: AgentContext, attempt: Attempt) -> ToolContext:
+    """The tools in the world apart, at the moment before the attempt."""
+    other = context.world.apart()
+    other.restore(attempt.before)
+    tools = context.tools.with_rng(draws(context.seed, "act", attempt.number))
+    tools.robot, tools.stop = other.robot, other.stop
+    return tools
+
+
+def _percept(attempt: Attempt) -> Percept:
+    return attempt.percept or Percept(look=0, perception="rgbd", objects=(attempt.target,))
+
+
+def told(run: Rerun, changed: str, attempt: Attempt) -> str:
+    """The outcome in words, beside what really happened."""
+    diagnosis, name = run.diagnosis, phrases.plain(attempt.target.category)
+    if run.sensing.stopped_by == "stop":
+        return f"I was stopped while I simulated {changed}, so I do not know."
+    if diagnosis.claimed:
+        load = run.sensing.load_end * 1000
+        what = f"Simulated with {changed}: the {name} would have been lifted and held ({load:.0f} g in the hand)."
     else:
         kind = phrases.plain(diagnosis.failure or "UNKNOWN").lower()
-        what = f"Simulated with {force:g} N: it would have failed by {kind} ({reasons})."
-    real = "it held" if last.claimed else f"it failed by {phrases.plain(last.failure or 'UNKNOWN').lower()}"
-    return f"{what} In truth, with {last.plan.grasp.force:.1f} N, {real}."
+        what = f"Simulated with {changed}: it would have failed by {kind} ({'; '.join(diagnosis.reasons)})."
+    real = "it held" if attempt.claimed else f"it failed by {phrases.plain(attempt.failure or 'UNKNOWN').lower()}"
+    return f"{what} In truth, with {attempt.plan.grasp.force:.1f} N, {real}."

@@ -12,6 +12,7 @@ from langchain_core.messages import AnyMessage
 from langgraph.graph.message import add_messages
 
 from agent.attempt import Attempt, Held, Moved, add_attempts
+from agent.chat.call import Call
 from agent.goal import Goal
 from kb.constraint import Constraints
 from kb.experience import Retrieval
@@ -21,6 +22,7 @@ from kb.scene_graph import SceneGraph
 from kb.sensing import CameraEvidence, Correction, Plan, Sensing
 from memory import EpisodicMemory, merge_memory
 from tools.classify_failure import Diagnosis
+from tools.planning.demand import Demand
 
 
 def add_times(old: dict[str, float], new: dict[str, float]) -> dict[str, float]:
@@ -98,6 +100,20 @@ class State:
     times: Annotated[dict[str, float], add_times] = field(default_factory=dict)
     use: Annotated[ModelUse, add_use] = field(default_factory=ModelUse)
     """The language model's part in this turn."""
+    demands: tuple[Demand, ...] = ()
+    """What the person said about how to do what is in work."""
+    said: str = ""
+    """In a conversation: the utterance that is being dealt with; empty in a single run."""
+    call: Call | None = None
+    """In a conversation: the tool call in work."""
+    calls: tuple[Call, ...] = ()
+    """In a conversation: what the utterance asks for and is still to do."""
+    hops: int = 0
+    """Tool calls begun for this utterance."""
+    asked: tuple[Goal, ...] = ()
+    """What was asked of the task graph last, for "and the apple?"."""
+    deed: tuple[Goal, ...] = ()
+    """What was asked for last that moves, for "do that again"."""
 
     @property
     def current(self) -> int | None:
@@ -158,6 +174,13 @@ class Update(TypedDict, total=False):
     question: str | None
     times: dict[str, float]
     use: ModelUse | None
+    demands: tuple[Demand, ...]
+    said: str
+    call: Call | None
+    calls: tuple[Call, ...]
+    hops: int
+    asked: tuple[Goal, ...]
+    deed: tuple[Goal, ...]
 
 
 def merged(*updates: Update) -> Update:

@@ -18,6 +18,7 @@ class WorldHandle:
         self.opened = opened
         self._start = opened.snapshot()
         self._mark: str | None = _digest(self._start)
+        self._apart: OpenedWorld | None = None
 
     def at(self, blob: bytes) -> OpenedWorld:
         """The world exactly as in the snapshot `blob` (empty: as it was opened)."""
@@ -31,6 +32,20 @@ class WorldHandle:
     def before(self, blob: bytes) -> bytes:
         """The snapshot that stands for the moment before a motion."""
         return blob or self._start
+
+    def apart(self) -> OpenedWorld:
+        """Another world of the same scene, for what would have happened; a stop of the real one stops it, too."""
+        if self._apart is None:
+            self._apart = self.opened.reopen()
+        self._apart.forget()
+        self._apart.stop.release()
+        return self._apart
+
+    def stop(self) -> None:
+        """Stops the robot, and what is being simulated."""
+        self.opened.stop.press()
+        if self._apart is not None:
+            self._apart.stop.press()
 
     def moving(self) -> None:
         """Says that a motion begins: until `moved`, no snapshot describes the world."""

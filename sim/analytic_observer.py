@@ -163,6 +163,11 @@ class AnalyticObserver(Observer):
         harmed = {o.gripped for o in self._outcomes.values() if o.failure in ("FORCE_DAMAGE", "DEFORMATION")}
         return tuple(sorted(name for name in harmed if name is not None))
 
+    def _drop(self, number: int) -> None:
+        super()._drop(number)
+        for record in (self._outcomes, self._poses):
+            record.pop(number, None)
+
     def state(self) -> bytes:
         """All that was recorded, as bytes."""
         return json.dumps(

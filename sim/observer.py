@@ -179,6 +179,16 @@ class Observer:
         self._pieces = {a: [Track.from_bytes(p)] for a, p in zip(header["attempts"], parts[2:], strict=True)}
         self._grips = {}
 
+    def forget(self, keep: int = 0) -> None:
+        """Drops what was recorded of all but the last `keep` motions: a long conversation must not grow without bound."""
+        numbers = self.attempts
+        for number in numbers[: len(numbers) - keep]:
+            self._drop(number)
+
+    def _drop(self, number: int) -> None:
+        for record in (self._pieces, self._meant, self._grips):
+            record.pop(number, None)
+
     def _motion(self, attempt: int) -> dict[str, Grip]:
         if attempt not in self._grips:
             pieces = self._pieces[attempt]

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from kb.errors import BadInputError, EnvironmentFaultError
+from kb.errors import BadInputError
 from kb.vocabulary import EvaluatorName, PerceptionName
 
 if TYPE_CHECKING:
@@ -62,6 +62,10 @@ class OpenedWorld:
         self.world.attempt = motions
         if len(raw) > 16 + length:
             self.observer.load(raw[16 + length :])
+
+    def forget(self, keep: int = 0) -> None:
+        """Lets the observer forget all but the last `keep` motions."""
+        self.observer.forget(keep)
 
     @staticmethod
     def physics_of(blob: bytes) -> bytes:
@@ -122,9 +126,8 @@ def open_perceiver(name: PerceptionName, opened: OpenedWorld, embedder: Any) -> 
 
     Raises:
         BadInputError: unknown name.
-        EnvironmentFaultError: "vlm" where no vision-language model is configured.
     """
-    if name == "rgbd":
+    if name in ("rgbd", "vlm"):  # "vlm" measures the same way; the brain names afterwards (`tools.name_objects`)
         from tools.perception import RgbdPerceiver
 
         return RgbdPerceiver(embedder)
@@ -137,6 +140,4 @@ def open_perceiver(name: PerceptionName, opened: OpenedWorld, embedder: Any) -> 
 
             return NoisyOracle(oracle, opened.seed)
         return oracle
-    if name == "vlm":
-        raise EnvironmentFaultError("perception 'vlm' needs a vision-language model", mend="use --perception rgbd")
     raise BadInputError(f"unknown perception {name!r}", choices=PERCEPTIONS)

@@ -25,6 +25,7 @@ from sim.quality import WIDEST_OBJECT
 from tools.context import ToolContext
 from tools.planning.candidate import Candidate
 from tools.planning.constrain_candidates import Constrained, constrain
+from tools.planning.demand import Demand, demanded, impose
 from tools.planning.force_choice import ForceTerms, force_terms
 from tools.planning.generate_candidates import generate_candidates
 from tools.planning.grasp_prior import GraspPrior, prior_chain
@@ -60,6 +61,8 @@ class PlanArgs(Noun):
     tried: tuple[Plan, ...] = ()
     """Plans of this goal that failed."""
     attempt: int = 0
+    demands: tuple[Demand, ...] = ()
+    """What the person said about how to do it."""
 
     @field_validator("memory", mode="before")
     @classmethod
@@ -98,14 +101,15 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     if correction and ({"type", "approach"} & set(correction.changes) or correction.region):
         chain = tuple(_corrected(prior, correction) for prior in chain)
     if not switches.geometric_candidates:
-        return _literal(args, subject, chain[0], context)
+        literal = _literal(args, subject, chain[0], context)
+        return literal.model_copy(update={"plan": impose(literal.plan, args.demands)}) if literal.plan else literal
     rejected: dict[str, int] = {}
     way = arm_way(args.percept, subject.id, context)
     candidates = _usable(generate_candidates(subject), exclude, rejected)
     if args.attempt > 0 and not switches.diagnosis_used:
         # A blind retry: nothing is known of what failed, so a fresh draw decides what is considered at all.
         candidates = [item for item in candidates if context.rng.random() < FRESH_DRAW] or candidates
-    pool = constrain(candidates, subject, args.constraints, rejected)
+    pool = demanded(constrain(candidates, subject, args.constraints, rejected), args.demands, rejected)
     search = Search(
         subject=subject,
         constraints=args.constraints,
@@ -119,9 +123,11 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
     )
     found = _search(search, pool, chain, args)
     if found is None:
-        return PlanOutcome(plan=None, reason=_why_none(rejected, len(pool)), rejected=dict(sorted(rejected.items())))
+        return PlanOutcome(
+            plan=None, reason=_why_none(rejected, len(candidates)), rejected=dict(sorted(rejected.items()))
+        )
     ranked, posture, prior, force = found
-    plan = _plan(search, ranked, posture, prior, force, args)
+    plan = impose(_plan(search, ranked, posture, prior, force, args), args.demands)
     return PlanOutcome(plan=plan, reason=_why(plan, prior), rejected=plan.rejected)
 
 
@@ -204,6 +210,7 @@ def _force(args: PlanArgs, subject: PerceivedObject, prior: GraspPrior) -> Force
         scale_reason=",".join(kinds) or "constraints",
         corrected=float(str(corrected)) if corrected is not None else None,
         rule=correction.rule if correction else "",
+        filled=any(item.kind == "content" for item in args.constraints.active),
     )
 
 

@@ -8,53 +8,68 @@ A face opens one, says what the person said, and shows the typed events that com
         if talk.pending is not None:                     # the turn waits: its last event was `Asked`
             for event in talk.edit(force=6.0):           # or approve(), reject(), say("no, by the handle")
                 show(event)
+        for event in talk.whatif(force=4.0):             # why(), compare(), remember(), undo(), report(), ...
+            show(event)
 
 Rules that a face may rely on:
 
-- Only one turn runs at a time. `say`, `approve`, `reject`, `edit`, `resume`, `why`, `compare`, `whatif`, `undo` return iterators;
-  the turn runs while they are iterated (in a thread of its own, so that a slow face does not slow the robot down).
-  Leaving one early stops the robot. A turn that ends is closed by `Finished` (with its RunResult), `Asked` or `Refused`.
-- Errors of a command are events (`Refused`), never exceptions; only `open` and the session functions raise RagVlmErrors.
+- Only one turn runs at a time. Everything that returns an iterator runs while it is iterated (the graph in a thread of its
+  own, so that a slow face does not slow the robot down). Leaving one early stops the robot. A turn ends with `Finished`
+  (with its RunResult), `Asked` or `Refused`.
+- Errors of a command are events (`Refused`), never exceptions; only `open`, `fork` and the functions of
+  `agent.chat.sessions` raise RagVlmErrors.
 - `stop`, `release` and `steer` may be called from any thread at any time. A stop latches: until `release`, whatever would
-  move is refused. `steer(text)` is heard between two steps of the running turn; idle, say the same words with `say`.
+  move is refused. `steer(text)` is heard before the next motion of the running turn; idle, say the same words with `say`.
 - Text that comes back is inert: no control characters, no escape sequences. It is not HTML; a page must escape it.
-- Everything is saved before the next step begins. Open the same thread again and the conversation, the memory, the world
-  and a pending approval are there; `unfinished` names a turn that was cut off, `resume()` goes on with it.
+- With a thread, everything is saved before the next step begins. Open the same thread again and the conversation, the
+  memory, the world and a pending approval are there; `unfinished` names a turn that was cut off, `resume()` goes on.
+- `history()` lists the points to which one can go back, `fork(id)` goes there; both branches stay.
 """
 
 from __future__ import annotations
 
 import datetime
+import functools
 import queue
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from agent.chat.sessions import folder_of, write_card
-from agent.conversation import Agent, checked
+from agent.chat.heard import heard
+from agent.chat.session_lock import SessionLock
+from agent.chat.sessions import folder_of, threads_file, write_card
+from agent.conversation import Agent, begin, checked
 from kb.errors import BadInputError, EnvironmentFaultError, RagVlmError
 
 if TYPE_CHECKING:
     from agent.approval import Proposal
+    from agent.chat.call import ToolName
     from agent.events import BaseStep
     from agent.state import State
     from kb.run_result import RunResult
     from memory import MemoryItem
 
 
+MAX_STEERING = 500
+"""Longest thing said between two steps [characters]; the rest is cut off."""
+
+
 class Conversation:
     """One person, one robot, one scene at a time. Close it, or use it in a `with` statement."""
 
-    def __init__(self, agent: Agent, *, folder: Path | None = None, asks: bool = False) -> None:
+    def __init__(self, agent: Agent, *, folder: Path | None = None, lock: SessionLock | None = None) -> None:
         """Use `open`."""
         self.agent = agent
         """The agent with its world: `agent.opened` for pictures, `agent.views` for the last look."""
         self.folder = folder
         """Folder of the session (pictures, spans), or None where nothing is kept."""
+        self._lock = lock
         self._busy = threading.Lock()
         self._mail: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self.asks = asks
+        agent.context.mail = self._letters
+        agent.context.folder = folder
+        agent.context.thread = agent.thread or "here"
 
     @classmethod
     def open(
@@ -82,9 +97,22 @@ class Conversation:
             EnvironmentFaultError: the machine cannot do it, or another process holds the thread (with its pid).
         """
         from agent.build_agent import build_agent
+        from agent.chat.graph import compile_chat
+        from agent.chat.keep import open_store
 
-        agent = build_agent(scene, seed, thread=thread, threads=threads, **options)
-        return cls(agent, folder=folder_of(thread, threads) if thread else None, asks=asks)
+        folder = folder_of(thread, threads) if thread else None
+        lock = SessionLock(folder) if folder else None
+        try:
+            lasting = open_store(threads_file(threads).with_name("memory.sqlite") if thread else None)
+            graph = functools.partial(compile_chat, store=lasting)
+            agent = build_agent(scene, seed, thread=thread, threads=threads, graph=graph, **options)
+        except BaseException:
+            if lock is not None:
+                lock.release()
+            raise
+        talk = cls(agent, folder=folder, lock=lock)
+        talk.asks = asks
+        return talk
 
     def __enter__(self) -> Conversation:
         return self
@@ -95,6 +123,8 @@ class Conversation:
     def close(self) -> None:
         """Stops the robot and gives the thread free."""
         self.agent.stop()
+        if self._lock is not None:
+            self._lock.release()
 
     # What a face may look at --------------------------------------------------------------------------------------
 
@@ -159,24 +189,42 @@ class Conversation:
 
     def say(self, text: str) -> Iterator[BaseStep]:
         """One utterance of the person; while a motion waits for approval it is the answer to that."""
-        from agent.chat.heard import heard
-
         try:
             words = checked(heard(text))
-            verdict = _verdict(words) if self.pending is not None else None
         except RagVlmError as error:
             yield _refused(error)
             return
-        if verdict is not None:
-            yield from self.decide({"verdict": verdict})
-            return
-        if self.pending is not None:
-            yield from self.reject()
-        yield from self._turn({"instruction": words, "times": {}})
+        if self.pending is None:
+            yield from self._turn(begin(words))
+        else:
+            yield from self._answered(words)
+
+    def _answered(self, words: str) -> Iterator[BaseStep]:
+        """What was said while a motion waits: yes, no, how else, or why."""
+        from agent.chat.answered import about_pending, verdict
+
+        said = verdict(words, self.state)
+        if said is not None:
+            yield from self.decide(said)
+        else:
+            yield about_pending(words, self.state, self.agent.context.tools.store)
 
     def steer(self, text: str) -> None:
-        """Something said while the robot works; it is heard before the next step. From any thread."""
-        self._mail.put(text)
+        """Something said while the robot works: heard before the next motion; a plain "stop" stops at once."""
+        from agent.chat.answered import stops
+
+        words = heard(text).strip()
+        if stops(words):
+            self.stop()
+        elif words:
+            self._mail.put(words[:MAX_STEERING])
+
+    def _letters(self) -> tuple[str, ...]:
+        """What was said since the last call."""
+        letters: list[str] = []
+        while not self._mail.empty():
+            letters.append(self._mail.get())
+        return tuple(letters)
 
     def resume(self) -> Iterator[BaseStep]:
         """Goes on with the turn that was cut off."""
@@ -225,13 +273,55 @@ class Conversation:
 
     # Questions about what was done --------------------------------------------------------------------------------
 
-    def why(self) -> Iterator[BaseStep]:
-        """Why the last grasp was chosen (`Explained`)."""
-        yield from self.say("why did you grasp it that way")
+    def why(self, attempt: int | None = None) -> Iterator[BaseStep]:
+        """Why a grasp was chosen (`Explained`): of the attempt of that number, or the last."""
+        yield from self._use("why", "why", {} if attempt is None else {"attempt": attempt})
+
+    def compare(self, first: int | None = None, second: int | None = None) -> Iterator[BaseStep]:
+        """Two attempts side by side (`Compared`), by their numbers (`state.attempts[i].number`); the last two by default."""
+        given = {"first": first, "second": second}
+        yield from self._use("compare", "compare", {k: v for k, v in given.items() if v is not None})
+
+    def whatif(self, attempt: int | None = None, **changes: Any) -> Iterator[BaseStep]:
+        """Simulates an attempt otherwise, from the saved moment before it (`WhatIf`); the world stays as it is.
+
+        Args:
+            attempt: Number of the attempt; the last by default.
+            changes: force [N], aperture [m], yaw [rad], speed, type, approach ("top", "tilted", "side"), region,
+                candidate (a name, or "other").
+        """
+        said = " ".join(f"{name}={value}" for name, value in changes.items())
+        values = changes if attempt is None else {**changes, "attempt": attempt}
+        yield from self._use("whatif", f"what if {said}", values)
+
+    def remember(self) -> Iterator[BaseStep]:
+        """Keeps what worked last for every later conversation."""
+        yield from self._use("remember", "remember that", {})
+
+    def forget(self, category: str | None = None) -> Iterator[BaseStep]:
+        """Drops what was kept for later conversations, of a category or all."""
+        yield from self._use("forget", "forget what you remember", {} if category is None else {"category": category})
+
+    def recall(self) -> Iterator[BaseStep]:
+        """Says what is remembered of this conversation and for good."""
+        yield from self._use("recall", "what do you remember", {})
+
+    def report(self) -> Iterator[BaseStep]:
+        """Says what was done in this conversation."""
+        yield from self._use("report", "report", {})
 
     def undo(self) -> Iterator[BaseStep]:
         """Puts back what was taken or moved last."""
         yield from self.say("undo")
+
+    def _use(self, tool: ToolName, words: str, values: dict[str, Any]) -> Iterator[BaseStep]:
+        from agent.chat.call import Call
+
+        if self.pending is not None:
+            yield from self._answered(words)
+            return
+        call = Call(tool=tool, words=words, values=values)
+        yield from self._turn({**begin(words), "calls": (call,)})
 
     # Stopping -----------------------------------------------------------------------------------------------------
 
@@ -247,7 +337,7 @@ class Conversation:
 
     def _turn(self, entry: Any) -> Iterator[BaseStep]:
         """Runs the graph until the turn ends or waits."""
-        from agent.chat.events import Asked, Finished
+        from agent.chat.events import Asked, Finished, Stopped
 
         if not self._busy.acquire(blocking=False):
             yield _refused(BadInputError("I am busy; stop me or steer", where="conversation"))
@@ -267,6 +357,8 @@ class Conversation:
                 return
             result = self.agent.conclude(self.agent.context.clock() - begun)
             self._note()
+            if self.stopped:
+                yield Stopped(text="I am stopped and hold still; nothing moves until you release me (/release).")
             yield Finished(text=result.answer, result=result)
         except RagVlmError as error:
             yield _refused(error)
@@ -290,16 +382,6 @@ class Conversation:
             write_card(self.folder, card)
         except OSError:
             return
-
-
-def _verdict(words: str) -> str | None:
-    """Yes or no, if the words are just that."""
-    plain = words.lower().strip(" .!,")
-    if plain in ("y", "yes", "ok", "okay", "approve", "go", "go ahead", "do it", "yes please", "sure", "approved"):
-        return "approve"
-    if plain in ("n", "no", "reject", "no thanks", "do not", "don't", "stop", "cancel", "rejected"):
-        return "reject"
-    return None
 
 
 def _refused(error: RagVlmError) -> BaseStep:

@@ -1,6 +1,6 @@
 """What a conversation tells besides the steps of the task graph: each is a typed step with one text for a person.
 
-Faces switch on `kind`. Numbers stand in fields of their own, so that a face never has to read the text.
+Faces switch on `kind`. `Explained`, `Compared` and `WhatIf` are the answer of their turn; no `Answer` follows them. Numbers stand in fields of their own, so that a face never has to read the text.
 """
 
 from __future__ import annotations

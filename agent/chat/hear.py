@@ -1,0 +1,264 @@
+"""What an utterance means within a conversation: references to what was done before become tool calls.
+
+Anything that is a plain instruction or question is a task, and the brain reads it. Nothing here moves anything.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from agent.chat.call import Call
+from agent.chat.read_demand import only_demand, plain, read_demand
+from agent.goal import Goal, Placement, Reference
+from agent.language.clauses import trim
+from agent.language.read_question import read_question
+from agent.language.read_reference import is_reference, read_reference
+from agent.state import State
+from kb.errors import BadInputError
+from tools.planning.demand import Demand
+
+_REMEMBER = (
+    r"(?:please )?(?:remember|memori[sz]e|keep in mind|do not forget|learn|note)(?: how (?:you (?:did|took|grasped|held) )?)?"
+    r" ?(?:that|this|it|how|that one|this one|what worked|the grasp|this grasp|that grasp)?(?: (?:that|this|it|that way|works?|worked))*"
+    r"(?: (?:for|until) (?:next time|later|tomorrow|the future|good|the next time|ever))?"
+)
+REMEMBER = re.compile(rf"^{_REMEMBER}$")
+AND_REMEMBER = re.compile(rf"^(?P<first>.+? .+?)(?: ,| \.| ;| and)(?: and)?(?: then)? {_REMEMBER}$")
+FORGET = re.compile(
+    r"^(?:please )?forget (?:everything|all|what) (?:that )?(?:you (?:have )?)?(?:ever )?(?:remember(?:ed)?|learn(?:ed|t)?|know)?"
+    r"(?: (?:about|of) (?:the |a |an )?(?P<what>[a-z ]+))?$"
+)
+RECALL = re.compile(
+    r"^(?:what|which things) (?:do|can|have) you (?:still )?(?:remember(?:ed)?|learn(?:ed|t)?|memori[sz]ed?)"
+    r"(?: (?:so far|now|about (?:the |a |an )?(?P<what>[a-z ]+)))?$|^what is in your memory$|^(?:show |your )?memory$"
+)
+COMPARE = re.compile(
+    r"^(?:please )?(?:compare|what (?:is|was|are|were) (?:the )?(?:difference|differences|different)|how (?:do|did|does) (?:they|it|that|the two) "
+    r"(?:differ|compare)|what (?:did you do|was|is|have you done) different(?:ly)?|difference|diff)\b(?P<rest>.*)$"
+)
+REPORT = re.compile(
+    r"^(?:please )?(?:what (?:have|did) you (?:done|do|tried|try|achieved?|managed?)(?: so far| until now| today| yet| here)?|report(?: to me)?|"
+    r"summary|summari[sz]e(?: (?:it|everything|that|what you did))?|give me (?:a )?(?:report|summary)|what happened so far|how did it go|"
+    r"how many (?:attempts|tries)(?: (?:did|have|has|were) .*)?|status)$"
+)
+WHAT_IF = re.compile(
+    r"^(?:and |but |so )?(?:what (?:if|would|will|could|might|happens)|what about|how about|suppose|imagine|simulate|try in simulation|"
+    r"would (?:it|that|you|this)|could (?:it|that|you) have|with \d|using \d|at \d)\b(?P<rest>.*)$"
+)
+AGAIN = re.compile(
+    r"^(?:no |please |ok |okay |now |and |then |, )*(?:(?:do|try|repeat|make|perform) (?:that|it|this|the same(?: thing)?)(?: one)?(?: again| once more| one more time| another time)?"
+    r"|(?:do|try|repeat)(?: it| that)? (?:again|once more)|again|once more|one more time|another time|retry|repeat|same again|try|(?:the )?same)"
+    r"(?: please| now| then| but| and| only| just| this time| ,| a)*$"
+)
+SAME_WITH = re.compile(
+    r"^(?:and |now |then |please |ok )*(?:do |try |repeat )?(?:the )?same(?: thing)? (?:with|for|to|on) (?P<what>.+)$"
+)
+AND_THE = re.compile(
+    r"^(?:no ,? ?)?(?:and|what about|how about|now|also|then|and now|and also|and then|but|or|instead|rather|and what about|next) (?P<what>(?:the |that |this |another |a |an )?[a-z -]+?)"
+    r"(?: too| as well| also| instead| now| please| then| next)*$|^(?P<too>(?:the |that |this |another )[a-z -]+?) (?:too|as well|also|instead|next|please)$"
+)
+OTHER = re.compile(
+    r"^(?:no |not (?:that|this)(?: one)?|not it|, |please |i (?:mean|meant) |but |rather |wait )*(?P<what>(?:the |that )?other(?: one| [a-z]+)?)(?: one)?(?: please| instead| too| as well| now)*$"
+)
+INSTEAD = re.compile(
+    r"^(?:no|not (?:that|this)(?: one)?|not it|wait|i mean|i meant)(?: ,)? (?P<what>(?:the |that )[a-z -]+)$"
+)
+TALK: tuple[tuple[re.Pattern[str], str], ...] = (
+    (re.compile(r"^(?:many )?(?:thanks?|thank you|thx|cheers)\b.*$"), "You are welcome."),
+    (re.compile(r"^(?:hello|hi|hey|good (?:morning|day|evening|afternoon)|hallo)(?: there| robot)?$"),
+     "Hello. Tell me what to pick up or where to put it, or ask what I see."),
+    (re.compile(r"^(?:(?:very |well )?(?:good|god|nice|great|perfect|excellent|wonderful|cool|bravo|well|super)(?: job| work| done| one)?|well done)$"),
+     "Thank you. If I should do it like this another time, say: remember that."),
+    (re.compile(r"^(?:yes|ok|okay|sure|fine|y|no|n|nope|alright|all right)(?: please)?$"), "All right. I am not waiting for an answer; nothing moves."),
+    (re.compile(r"^(?:good ?bye|bye|see you(?: later)?|ciao)$"), "Goodbye. Say /quit to leave; I keep what was said and done."),
+)  # fmt: skip
+"""Small talk, and what is said to it."""
+
+
+def hear(text: str, state: State) -> tuple[Call, ...]:
+    """The tool calls that an utterance asks for, in order.
+
+    Raises:
+        BadInputError: a demand that the hand cannot meet (a force of 300 N).
+    """
+    if state.pending is not None and not _clearly(plain(text)):
+        return (Call(tool="task", words=text),)
+    line = " ".join(trim(plain(text).split()))
+    both = AND_REMEMBER.match(line)
+    if both is not None and not _clearly(line):
+        return (*hear(both["first"], state), Call(tool="remember", words=text))
+    return _tool(line, text) or _again(line, state) or _elliptic(line, state) or (_task(line, text),)
+
+
+def _clearly(line: str) -> bool:
+    """Whether the words are one of the conversation's own tools, whatever was asked back."""
+    return any(regex.match(line) for regex in (REMEMBER, FORGET, RECALL, COMPARE, REPORT))
+
+
+def _tool(line: str, text: str) -> tuple[Call, ...]:
+    """A tool of the conversation that is asked for by its own words."""
+    if REMEMBER.match(line):
+        return (Call(tool="remember", words=text),)
+    for tool, regex in (("forget", FORGET), ("recall", RECALL)):
+        found = regex.match(line)
+        if found is not None:
+            what = (found["what"] or "").strip()
+            return (Call(tool=tool, words=text, values={"category": what} if what else {}),)  # pyright: ignore[reportArgumentType]
+    found = COMPARE.match(line)
+    if found is not None:
+        return (Call(tool="compare", words=text, values=_numbers(found["rest"])),)
+    if REPORT.match(line):
+        return (Call(tool="report", words=text),)
+    for regex, reply in TALK:
+        if regex.match(line):
+            return (Call(tool="say", words=reply),)
+    asked = read_question(line)
+    if isinstance(asked, Goal) and asked.query == "why":
+        return (Call(tool="why", words=text),)
+    found = WHAT_IF.match(line)
+    if found is not None:
+        _, demand = read_demand(line)
+        changes = changes_of(demand) if demand is not None else {}
+        if re.search(r"\b(?:an)?other (?:candidate|grasp|way|place|option)\b|\balternative\b", line):
+            changes["candidate"] = "other"
+        if changes:
+            return (Call(tool="whatif", words=text, values=changes),)
+    return ()
+
+
+def changes_of(demand: Demand) -> dict[str, Any]:
+    """The demand as plain arguments of a what-if."""
+    return demand.model_dump(exclude={"words"}, exclude_defaults=True)
+
+
+def _numbers(rest: str) -> dict[str, Any]:
+    """Which attempts: numbers as shown to the person (from 1), "first" and "last"."""
+    counted = [int(n) - 1 for n in re.findall(r"\d+", rest)]
+    if "first" in rest.split():
+        counted = [0, *counted]
+    if len(counted) >= 2:
+        return {"first": counted[0], "second": counted[1]}
+    return {"first": counted[0]} if counted else {}
+
+
+def _again(line: str, state: State) -> tuple[Call, ...]:
+    """What was done last, once more: "do that again but gentler", "no, by the handle"."""
+    demand = only_demand(line)
+    rest = line
+    if demand is None:
+        rest, demand = read_demand(line)
+        if not AGAIN.match(rest):
+            return ()
+    if not state.deed:
+        return (Call(tool="say", words="I have done nothing yet that I could do again."),)
+    kept = () if demand is None else (demand,)
+    demands = merged_demands(state.demands, relative(kept, state))
+    return (Call(tool="task", words=line, goals=repeated(state), demands=demands),)
+
+
+def relative(demands: tuple[Demand, ...], state: State) -> tuple[Demand, ...]:
+    """The word "gentler" means gentler than the last time: scales become numbers where there was a last time."""
+    plan = state.plan or (state.attempts[-1].plan if state.attempts else None)
+    if plan is None:
+        return demands
+    fixed: list[Demand] = []
+    for demand in demands:
+        update: dict[str, Any] = {}
+        if demand.force_scale != 1.0:
+            update |= {
+                "force_scale": 1.0,
+                "force": round(min(70.0, max(1.0, plan.grasp.force * demand.force_scale)), 2),
+            }
+        if demand.speed_scale != 1.0:
+            update |= {"speed_scale": 1.0, "speed": round(min(1.0, max(0.1, plan.grasp.speed * demand.speed_scale)), 3)}
+        fixed.append(demand.model_copy(update=update))
+    return tuple(fixed)
+
+
+def merged_demands(old: tuple[Demand, ...], new: tuple[Demand, ...]) -> tuple[Demand, ...]:
+    """All demands; of the earlier ones those go that a later one contradicts."""
+
+    def told(demand: Demand) -> set[str]:
+        names = set(demand.model_dump(exclude={"words"}, exclude_defaults=True))
+        return {
+            "place" if name in ("region", "not_region", "candidate") else name.removesuffix("_scale") for name in names
+        }
+
+    later = {name for demand in new for name in told(demand)}
+    return (*(demand for demand in old if not told(demand) & later), *new)
+
+
+def repeated(state: State) -> tuple[Goal, ...]:
+    """The goals of the last deed from the beginning; what it took or moved goes back first."""
+    back = Goal(kind="place", reference=Reference(words="it", pronoun=True), placement=Placement(kind="back"))
+    goals = tuple(_fresh(goal) for goal in state.deed)
+    thing = state.held.object.id if state.held is not None else state.moved.id if state.moved is not None else None
+    again = any(goal.reference is not None and thing in goal.reference.ids for goal in goals)
+    if thing is None or not again or any(g.placement is not None and g.placement.kind == "back" for g in goals):
+        return goals
+    return (back, *goals)
+
+
+def _fresh(goal: Goal) -> Goal:
+    """The goal as it was when it was asked, about the very thing that it was about."""
+    reference = goal.reference
+    if goal.target is not None and reference is not None and goal.kind in ("pick", "place"):
+        name = (goal.target_category or "object").replace("_", " ")
+        reference = Reference(words=f"the {name}", ids=(goal.target,))
+    return Goal(
+        kind=goal.kind, reference=reference, placement=goal.placement, query=goal.query, measure=goal.measure,
+        descending=goal.descending,
+    )  # fmt: skip
+
+
+def _elliptic(line: str, state: State) -> tuple[Call, ...]:
+    """The same with another thing: "and the apple?", "the other one", "the same with the red one"."""
+    reference = thing_instead(line, state)
+    if reference is None or not state.asked or state.asked[-1].reference is None:
+        return ()
+    fresh = _fresh(state.asked[-1]).model_copy(update={"reference": reference})
+    return (Call(tool="task", words=line, goals=(fresh,)),)
+
+
+def thing_instead(line: str, state: State) -> Reference | None:
+    """The other thing that "and the apple?", "no, the other one" or "the same with the red one" speak of."""
+    found = OTHER.match(line) or SAME_WITH.match(line) or AND_THE.match(line) or INSTEAD.match(line)
+    if found is None:
+        return None
+    groups = found.groupdict()
+    what = groups.get("what") or groups.get("too") or ""
+    reading = read_reference(what.split())
+    if reading.unknown or reading.contradiction or not is_reference(reading):
+        return None
+    reference = Reference(**reading.found)
+    if reference.other and not reference.categories:
+        reference = reference.model_copy(update={"categories": _category(state), "noun": None})
+    return reference
+
+
+def _category(state: State) -> tuple[str, ...]:
+    """Of "the other one": the kind of thing that was spoken of, if there are several of them."""
+    last = state.asked[-1].target_category if state.asked else None
+    seen = state.percept.objects if state.percept is not None else ()
+    several = last is not None and sum(obj.category == last for obj in seen) > (state.held is None)
+    return (last,) if several and last is not None else ()
+
+
+def _task(line: str, text: str) -> Call:
+    """An instruction or question for the brain, with what it says about the manner."""
+    try:
+        rest, demand = read_demand(line)
+    except BadInputError:
+        if re.match(
+            r"^(?:pick|take|grab|grasp|grip|lift|get|hold|hand|give|put|place|bring|fetch|squeeze|close)\b", line
+        ):
+            raise
+        return Call(tool="task", words=text)
+    verb = re.match(
+        r"^(?:please |now |then |gently |carefully )*(?:pick|take|grab|grasp|grip|lift|get|hold|hand|give|bring|fetch|put|place|move)\b",
+        rest,
+    )
+    if demand is None or verb is None:
+        return Call(tool="task", words=text)
+    return Call(tool="task", words=rest, demands=(demand,))
