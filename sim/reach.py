@@ -104,14 +104,18 @@ def solve_reaches(
     ranked = list(_ranked(poses, start))
     if not ranked:
         return Unreachable(_residual(poses, start), "grasp")
-    heights = [lift, min(lift, LEAST_LIFT)]
-    height = next((height for height in heights if any(_exists(pose, height, start) for pose in poses)), None)
-    if height is None:
-        return Unreachable(0.0, "lift")
-    result = _search(grasp, ranked, height, options)
-    if isinstance(result, Unreachable) and result.reason == "lift" and height > LEAST_LIFT:
-        return _search(grasp, ranked, LEAST_LIFT, options)
+    result: tuple[Reach, ...] | Unreachable = Unreachable(0.0, "lift")
+    for height in _heights(lift):
+        if any(_exists(pose, height, start) for pose in poses):
+            result = _search(grasp, ranked, height, options)
+            if not isinstance(result, Unreachable) or result.reason != "lift":
+                return result
     return result
+
+
+def _heights(lift: float) -> list[float]:
+    """Lifts that are tried, highest first [m]: what is wanted, the usual one, and the least."""
+    return list(dict.fromkeys((lift, min(lift, FULL_LIFT), min(lift, LEAST_LIFT))))
 
 
 def _exists(pose: Array, height: float, start: Array) -> bool:
@@ -154,7 +158,7 @@ def reach_from(grasp: Grasp, joints: Array, *, lift: float = FULL_LIFT) -> Reach
     if distance > 1e-3 or float(np.linalg.norm(error[3:])) > 1e-2:
         return Unreachable(distance, "grasp")
     result: Reach | str = "lift"
-    for height in (lift, min(lift, LEAST_LIFT)):
+    for height in _heights(lift):
         result = _follow(grasp, pose, joints, 0.0, height)
         if result != "lift":
             break

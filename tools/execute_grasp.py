@@ -6,8 +6,11 @@ from kb.base import Noun
 from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
+from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.quality import maximum_force
 from tools.context import ToolContext
+from tools.planning.force_choice import force_cap
+from tools.planning.lift_height import lift_height
 from tools.planning.obstacles import obstacles
 
 ABORT_FORCE = 30.0
@@ -42,12 +45,19 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
     except KeyError:
         seen = [item.id for item in args.percept.objects]
         raise BadInputError(f"no object {args.target!r} in this percept", where="target", choices=seen) from None
+    others = [other for other in args.percept.objects if other.id != args.target]
     return context.robot.grasp(
         args.plan.grasp,
         joints=args.plan.joints or None,
         obstacles=obstacles(args.percept),
         force_limit=abort_force(target),
+        lift=lift_height(args.plan.grasp.position, others),
     )
+
+
+def trial_lift_cap(target: PerceivedObject) -> float | None:
+    """Force up to which a test lift may raise the grip [N]; None where the category tells weight and friction."""
+    return force_cap(target.affordance.fragility) if target.category == UNKNOWN_CATEGORY else None
 
 
 def abort_force(target: PerceivedObject) -> float:

@@ -134,7 +134,8 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
 def arm_way(percept: Percept, target: str, context: ToolContext) -> ArmWay:
     """The arm as it stands, and all that was perceived around the target."""
     start = np.asarray(context.robot.joints, float)
-    return ArmWay(start, surroundings(percept, target), obstacles(percept))
+    others = tuple(other for other in percept.objects if other.id != target)
+    return ArmWay(start, surroundings(percept, target), obstacles(percept), others)
 
 
 def _subject(args: PlanArgs) -> PerceivedObject:

@@ -9,6 +9,7 @@ import numpy as np
 
 from kb.grasp import MAX_FORCE, MIN_FORCE, Provenance
 from kb.percept import PerceivedObject
+from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.quality import GRAVITY, maximum_force, minimum_force
 from tools.planning.candidate import TIP_REACH, Array, Candidate
 from tools.planning.grasp_prior import GraspPrior
@@ -22,9 +23,16 @@ EASY_FACTOR = 3.5
 """Without any experience: this many times the no-slip minimum, within the cap (measured on the catalogue)."""
 LEAST_FORCE = 4.0
 """Without any experience the fingers close with at least this force [N], if the object bears it."""
+UNKNOWN_MASS = 1.2
+"""Factor on the lower end of an unknown object's mass."""
 TWIST_RADIUS = 0.014
 """Effective radius at which a pad's friction resists turning about the closing axis [m]: pads are 18 x 18 mm (measured: a cup
 0.07 m beside its weight is carried by 12 N)."""
+TWIST_RESERVE = 1.5
+"""Times the least force against turning that is commanded: a cup held by its handle with a fifth more than the least turns
+by 6 degrees while it is lifted."""
+FILLED = 2.0
+"""A vessel with contents may weigh this many times as much as without."""
 PAD_LENGTH = 0.0178
 """Pads along the fingers [m]."""
 PAD_ARM = 0.014
@@ -71,7 +79,7 @@ class ForceTerms:
             covered = min(PAD_LENGTH, max(0.004, self.top - (candidate.position[2] - TIP_REACH)))
         radius = TWIST_RADIUS * covered / PAD_LENGTH
         weight = self.mass * GRAVITY
-        return weight * max(across / (2.0 * self.friction * radius), along / PAD_ARM)
+        return weight * max(TWIST_RESERVE * across / (2.0 * self.friction * radius), along / PAD_ARM)
 
     def provenance(self, candidate: Candidate) -> tuple[Provenance, ...]:
         """The steps that led to `force`."""
@@ -95,6 +103,7 @@ def force_terms(
     scale_reason: str,
     corrected: float | None = None,
     rule: str = "",
+    filled: bool = False,
 ) -> ForceTerms:
     """Collects what decides about the force per finger.
 
@@ -105,8 +114,9 @@ def force_terms(
         scale_reason: Id of those constraints for the provenance.
         corrected: Force demanded by a correction [N]; it replaces prior and scale.
         rule: Name of that correction.
+        filled: Whether there is something in it that must stay there.
     """
-    mass = prior.mass or sum(subject.mass) / 2
+    mass = (prior.mass or sum(subject.mass) / 2) * (FILLED if filled else 1.0)
     friction = sum(subject.friction) / 2
     cap = max(MIN_FORCE, CLOSING_PEAK * DAMAGE_SPREAD * maximum_force(subject.affordance.fragility))
     # A fragile object that needs more than it surely bears is held with what it surely bears.
@@ -120,6 +130,10 @@ def force_terms(
         base = prior.force if prior.force is not None else max(EASY_FACTOR * floor, LEAST_FORCE)
         name = prior.id if known else f"{EASY_FACTOR:g} times the no-slip minimum"
         steps.append(Provenance(source=prior.source if known else "default", id=name, value=round(base, 2)))
+        gentle = first_force(subject)
+        if gentle is not None and base > gentle:
+            base = gentle
+            steps.append(Provenance(source="geometry", id="may be fragile: test lift first", value=round(base, 2)))
         if scale != 1.0:
             base *= scale
             steps.append(Provenance(source="constraint", id=scale_reason, value=f"x {scale:g}"))
@@ -133,6 +147,29 @@ def force_terms(
         top=subject.top_z,
         steps=tuple(steps),
     )
+
+
+def force_cap(fragility: float) -> float:
+    """What the weakest plausible specimen of a fragility bears while the fingers close [N]."""
+    return max(MIN_FORCE, CLOSING_PEAK * DAMAGE_SPREAD * maximum_force(fragility))
+
+
+def expected_mass(subject: PerceivedObject) -> float:
+    """Mass to reckon with before the first contact [kg]: the middle of the range.
+
+    Of a thing of no known category the range is that of solid bodies of all materials, of which most things are hollow:
+    its lower end counts, and the test lift tells the rest.
+    """
+    if subject.category == UNKNOWN_CATEGORY:
+        return UNKNOWN_MASS * subject.mass[0]
+    return sum(subject.mass) / 2
+
+
+def first_force(subject: PerceivedObject) -> float | None:
+    """Force [N] that the most fragile plausible reading of an unknown object bears; None for known ones."""
+    if subject.fragility_range is None:
+        return None
+    return max(LEAST_FORCE, force_cap(subject.fragility_range[1]))
 
 
 def weight_centre(subject: PerceivedObject) -> tuple[float, float]:

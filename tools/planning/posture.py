@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from kb.grasp import Grasp
+from kb.percept import PerceivedObject
 from sim.motion import Obstacle, plan_transit
 from sim.reach import Reach, Unreachable, solve_reaches
 from sim.shake import ANGLE, KNOTS, rocked_configurations
 from tools.planning.arm_clearance import arm_clearance
 from tools.planning.candidate import Array
+from tools.planning.lift_height import lift_height
 
 ARM_CLEARANCE = 0.004
 """Distance that the arm's links keep from everything perceived [m]."""
@@ -38,6 +40,8 @@ class ArmWay:
     """Points of everything but the target, shape (N, 3) [m]."""
     boxes: tuple[Obstacle, ...]
     """For the free motion to the pre-grasp."""
+    others: tuple[PerceivedObject, ...] = ()
+    """Everything but the target, over which the hand is lifted."""
 
     def posture(self, grasp: Grasp, *, whole: bool, calm: bool) -> Posture | None:
         """Joint angles at the grasp, or None.
@@ -47,7 +51,8 @@ class ArmWay:
             whole: Check the whole motion; otherwise reach alone (alternatives that are only shown).
             calm: Refuse postures in which turning the wrist swings the arm about.
         """
-        found = solve_reaches(grasp, self.start, options=OPTIONS if whole else 1)
+        lift = lift_height(grasp.position, self.others)
+        found = solve_reaches(grasp, self.start, lift=lift, options=OPTIONS if whole else 1)
         if isinstance(found, Unreachable):
             return None
         for reach in found:
