@@ -25,6 +25,9 @@ class Row(RunResult):
     shared_motions: int = 0
     """Motions that an earlier configuration of the same trial had already made from the very same state."""
 
+    shared_steps: int = 0
+    """Steps of the task graph that an earlier configuration, alike in all switches read so far, had already taken."""
+
     @property
     def key(self) -> RowKey:
         """What makes it unique."""
@@ -39,6 +42,7 @@ def row_of(
     bare_step_ratio: float | None = None,
     shared_looks: int = 0,
     shared_motions: int = 0,
+    shared_steps: int = 0,
 ) -> Row:
     """The row of a trial that ran."""
     return Row(
@@ -52,6 +56,7 @@ def row_of(
         bare_step_ratio=None if bare_step_ratio is None else round(bare_step_ratio, 4),
         shared_looks=shared_looks,
         shared_motions=shared_motions,
+        shared_steps=shared_steps,
     )
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from bench.bare_ratio import MotionMeter
 from bench.job import Job
 from bench.row import Row, error_row, row_of
+from bench.shared_walk import SharedWalk
 from bench.shared_world import SharedWorld, SharingPerceiver
 from bench.suite import instruction_of
 
@@ -65,11 +66,13 @@ class _Shared:
         )
         self.robot = self.world.actor
         self._perceivers: dict[str, Any] = {}
+        self._walk = SharedWalk()
 
     def run(self, configuration: str, before: float) -> Row:
         """The row of one configuration; `before` is the time already spent on it [s]."""
         from agent import build_agent
         from agent.configuration import configuration as named
+        from agent.run_result import run_result
 
         began, settings, world = time.perf_counter(), self.job.settings, self.world
         # Every configuration begins at the same bits, the first one too.
@@ -77,14 +80,22 @@ class _Shared:
         looks, motions = world.shared_looks, world.shared_motions
         meter = MotionMeter(self.robot, world.world, self.job.measure)
         world.actor = meter
-        perception = named(configuration).perception or settings.perception
+        chosen = named(configuration)
+        perception = chosen.perception or settings.perception
         agent = build_agent(
             scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
             evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
             opened=world, perceiver=self._perceiver(perception), store=_store(),
         )  # fmt: skip
-        agent.context.clock = world.clock
-        result = agent.run(self.instruction)
+        context = agent.context
+        context.clock = world.clock
+        start = context.clock()
+        kind = (perception, chosen.switches.diagnosis)
+        state = self._walk.run(context, self.instruction, kind, world.credit)
+        result = run_result(
+            state, context.world.at(state.world).observer, total=context.clock() - start, configuration=configuration,
+            brain=context.brain.name, perception=perception, evaluator=settings.evaluator,
+        )  # fmt: skip
         return row_of(
             self.job,
             result,
@@ -92,6 +103,7 @@ class _Shared:
             bare_step_ratio=meter.ratio,
             shared_looks=world.shared_looks - looks,
             shared_motions=world.shared_motions - motions,
+            shared_steps=self._walk.shared,
         )
 
     def _perceiver(self, name: Any) -> SharingPerceiver:
@@ -99,7 +111,14 @@ class _Shared:
         from kb.shape_colour import ShapeColourEmbedder
         from tools.open_world import open_perceiver
 
+        self.world.blind = name == "oracle" and self.job.settings.evaluator == "analytic"
         if name not in self._perceivers:
-            perceiver = open_perceiver(name, self.world, ShapeColourEmbedder())
+            if self.world.blind:
+                from bench.blind_look import BlindOracle
+
+                oracle = open_perceiver(name, self.world, None)
+                perceiver: Any = BlindOracle(oracle, self.world.placed, _store(), self.job.seed)
+            else:
+                perceiver = open_perceiver(name, self.world, ShapeColourEmbedder())
             self._perceivers[name] = SharingPerceiver(perceiver, name, self.world)
         return self._perceivers[name]
