@@ -60,7 +60,14 @@ class TrueThing:
         middle = box_at(self.surface, smallest_yaw(self.surface)[0]).centre
         return float(middle[0]), float(middle[1]), float(middle[2])
 
-    @property
+    @cached_property
+    def hull(self) -> Array:
+        """Sides of the footprint's convex hull (K, 3): outward normal and offset, negative inside."""
+        from scipy.spatial import ConvexHull
+
+        return np.asarray(ConvexHull(self.surface[:, :2]).equations)
+
+    @cached_property
     def breadth(self) -> float:
         """Smallest extent over all horizontal directions [m]."""
         angles = np.linspace(0.0, math.pi, 36, endpoint=False)
@@ -113,9 +120,12 @@ def _gap(one: TrueThing, other: TrueThing) -> float:
 
 def _share_over(one: TrueThing, other: TrueThing) -> float:
     """Share of the surface samples of `one` over the convex hull of the other's footprint."""
-    from scipy.spatial import Delaunay
-
-    return float((Delaunay(other.surface[:, :2]).find_simplex(one.surface[:, :2]) >= 0).mean())
+    lower, upper = other.surface[:, :2].min(axis=0), other.surface[:, :2].max(axis=0)
+    near = one.surface[np.all((one.surface[:, :2] >= lower) & (one.surface[:, :2] <= upper), axis=1), :2]
+    if not len(near):
+        return 0.0
+    normals, offsets = other.hull[:, :2], other.hull[:, 2]
+    return float((near @ normals.T + offsets <= 1e-9).all(axis=1).sum() / len(one.surface))
 
 
 def _above(upper: TrueThing, lower: TrueThing) -> bool:

@@ -54,10 +54,10 @@ class OraclePerceiver:
 
     name: PerceptionName = "oracle"
 
-    def __init__(self, world: TrueWorld, embedder: Embeds | None = None) -> None:
+    def __init__(self, world: TrueWorld, embedder: Embeds | None = None, points: int = POINTS_PER_OBJECT) -> None:
         self._world = world
         self._embedder = embedder
-        self._shapes = {obj.id: _surface_in_object(obj) for obj in world.placed.objects if not obj.fixed}
+        self._shapes = {obj.id: _surface_in_object(obj, points) for obj in world.placed.objects if not obj.fixed}
 
     def surfaces(self) -> dict[str, Array]:
         """Samples of each object's true surface now (N, 3), world frame, by scene id."""
@@ -148,18 +148,18 @@ def true_box(obj: PlacedObject, surface_w: Array, rotation: Array) -> UprightBox
     return box_at(surface_w, smallest_yaw(surface_w)[0])
 
 
-def _surface_in_object(obj: PlacedObject) -> Array:
-    """Samples of the union's surface in the object's frame (N, 3); points inside another piece are dropped."""
+def _surface_in_object(obj: PlacedObject, points: int) -> Array:
+    """About `points` samples of the union's surface in the object's frame (N, 3), less those inside another piece."""
     areas = np.array([_area(geom) for geom in obj.geoms])
-    shares = np.maximum(40, (POINTS_PER_OBJECT * areas / areas.sum())).astype(int)
+    shares = np.maximum(40, (points * areas / areas.sum())).astype(int)
     clouds: list[Array] = []
     for i, (geom, count) in enumerate(zip(obj.geoms, shares, strict=True)):
-        points = _sample(geom, int(count)) @ rotation_of(geom.quaternion).T + np.asarray(geom.position)
-        inside = np.zeros(len(points), bool)
+        cloud = _sample(geom, int(count)) @ rotation_of(geom.quaternion).T + np.asarray(geom.position)
+        inside = np.zeros(len(cloud), bool)
         for j, other in enumerate(obj.geoms):
             if i != j:
-                inside |= _inside(other, points)
-        clouds.append(points[~inside])
+                inside |= _inside(other, cloud)
+        clouds.append(cloud[~inside])
     return np.concatenate(clouds)
 
 
