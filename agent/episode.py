@@ -42,7 +42,7 @@ def item_of(attempt: Attempt, tries: int) -> MemoryItem:
 
 def recalled(state: State, context: AgentContext, target: PerceivedObject) -> MemoryItem | None:
     """What worked for such an object before, in the lookup order of ledger G22."""
-    if not context.switches.memory:
+    if not state.memory.items or not context.switches.memory:
         return None
     found = recall(state.memory, target.category, target.affordance, superclass)
     return found.item if found is not None else None

@@ -1,4 +1,5 @@
-"""How much longer a grasp takes than the physics steps in it: the wall time of `Robot.grasp` over that of bare steps.
+"""How much longer a grasp takes than the physics steps in it: the processor time of `Robot.grasp` over that of bare
+steps. Processor time, because both share the machine with other workers.
 
 Bare steps are made from the state before the grasp with the very controls that the grasp sent, by nothing but the
 physics engine; afterwards the world is as it was, so that measuring changes no result.
@@ -28,7 +29,7 @@ class MotionMeter:
 
     @property
     def ratio(self) -> float | None:
-        """Wall time of the grasps over that of their bare steps; None if nothing was measured."""
+        """Processor time of the grasps over that of their bare steps; None if nothing was measured."""
         return self._grasps / self._bare if self._bare > 0.0 else None
 
     def on_recording(self, recording: Recording) -> None:
@@ -41,11 +42,11 @@ class MotionMeter:
             return self._robot.grasp(*args, **kwargs)
         before, self._recordings = self._world.snapshot(), []
         self._world.recorders.append(self)
-        start = time.perf_counter()
+        start = time.thread_time()
         try:
             sensing = self._robot.grasp(*args, **kwargs)
         finally:
-            took = time.perf_counter() - start
+            took = time.thread_time() - start
             self._world.recorders.remove(self)
         self._compare(before, took)
         return sensing

@@ -40,7 +40,7 @@ def profile_lines(trials: Sequence[Trial]) -> list[str]:
     ratios = [trial.bare_step_ratio for trial in ran if trial.bare_step_ratio is not None]
     if ratios:
         lines.append(
-            f"bare_step_ratio {median(ratios):.3f} (median of {len(ratios)} trials): wall time of execute_grasp over bare "
+            f"bare_step_ratio {median(ratios):.3f} (median of {len(ratios)} trials): processor time of execute_grasp over bare "
             "mj_step of the same steps"
         )
     return lines

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pydantic import Field
+
 from bench.job import Job, RowKey
 from kb.run_result import RunResult
 
@@ -19,7 +21,11 @@ class Row(RunResult):
     harness_error: str | None = None
     """What went wrong in the harness; such a trial is a failure, and counted apart from failed grasps."""
     bare_step_ratio: float | None = None
-    """Wall time of the grasps over that of bare physics steps of the same number, where it was measured."""
+    """Processor time of the grasps over that of bare physics steps of the same number, where it was measured."""
+    strict: bool | None = None
+    """Success, and every grasp of it on the annotated region without violating a required constraint; None: not judged."""
+    damage_limit_n: dict[str, float] = Field(default_factory=dict[str, float])
+    """Force from which each object counts as damaged in this world [N]; the agent is not told."""
     shared_looks: int = 0
     """Looks whose percept an earlier configuration of the same trial had already computed."""
     shared_motions: int = 0
@@ -43,6 +49,8 @@ def row_of(
     shared_looks: int = 0,
     shared_motions: int = 0,
     shared_steps: int = 0,
+    strict: bool | None = None,
+    damage_limit_n: dict[str, float] | None = None,
 ) -> Row:
     """The row of a trial that ran."""
     return Row(
@@ -57,6 +65,8 @@ def row_of(
         shared_looks=shared_looks,
         shared_motions=shared_motions,
         shared_steps=shared_steps,
+        strict=strict,
+        damage_limit_n=damage_limit_n or {},
     )
 
 

@@ -92,8 +92,9 @@ class _Shared:
         start = context.clock()
         kind = (perception, chosen.switches.diagnosis)
         state = self._walk.run(context, self.instruction, kind, world.credit)
+        judge: Any = _NotingJudge(context.world.at(state.world).observer)
         result = run_result(
-            state, context.world.at(state.world).observer, total=context.clock() - start, configuration=configuration,
+            state, judge, total=context.clock() - start, configuration=configuration,
             brain=context.brain.name, perception=perception, evaluator=settings.evaluator,
         )  # fmt: skip
         return row_of(
@@ -104,6 +105,10 @@ class _Shared:
             shared_looks=world.shared_looks - looks,
             shared_motions=world.shared_motions - motions,
             shared_steps=self._walk.shared,
+            strict=result.success and judge.strict,
+            damage_limit_n={
+                thing.id: round(thing.damage_force, 3) for thing in world.placed.objects if not thing.fixed
+            },
         )
 
     def _perceiver(self, name: Any) -> SharingPerceiver:
@@ -122,3 +127,21 @@ class _Shared:
                 perceiver = open_perceiver(name, self.world, ShapeColourEmbedder())
             self._perceivers[name] = SharingPerceiver(perceiver, name, self.world)
         return self._perceivers[name]
+
+
+class _NotingJudge:
+    """The observer, with a note of whether every successful grasp that it judged was a strict success."""
+
+    def __init__(self, observer: Any) -> None:
+        self._observer = observer
+        self.strict = True
+
+    def judge(self, *args: Any, **kwargs: Any) -> Any:
+        """As `sim.observer.Observer.judge`."""
+        seen = self._observer.judge(*args, **kwargs)
+        if seen.success and seen.verdict.placed is None:
+            self.strict = self.strict and bool(seen.strict)
+        return seen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._observer, name)
