@@ -187,7 +187,7 @@ class ExperienceStore:
 
     def content_hash(self) -> str:
         """Digest of header and entries; the same content always has the same."""
-        digest = hashlib.sha256(_text(self._header, self._entries).encode())
+        digest = hashlib.sha256(text_of_store(self._header, self._entries).encode())
         return digest.hexdigest()[:16]
 
     def collection(self) -> Any:
@@ -231,7 +231,7 @@ def write_store(path: Path, header: StoreHeader, entries: Iterable[Experience]) 
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         try:
             with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(_text(header, entries))
+                file.write(text_of_store(header, entries))
                 file.flush()
                 os.fsync(file.fileno())
             if path.exists():
@@ -245,7 +245,8 @@ def write_store(path: Path, header: StoreHeader, entries: Iterable[Experience]) 
         raise EnvironmentFaultError(f"cannot write the knowledge base {path}: {error.strerror}", mend=mend) from error
 
 
-def _text(header: StoreHeader, entries: Iterable[Experience]) -> str:
+def text_of_store(header: StoreHeader, entries: Iterable[Experience]) -> str:
+    """The file's text: a header line, then one experience a line."""
     lines = [json.dumps(header.model_dump(mode="json"), ensure_ascii=False)]
     lines += [json.dumps(entry.model_dump(mode="json"), ensure_ascii=False) for entry in entries]
     return "\n".join(lines) + "\n"

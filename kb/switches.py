@@ -37,3 +37,5 @@ class Switches(Noun):
     """False: the retrieved parameters are used literally (paper_literal)."""
     clearance: bool = True
     """Score candidates by swept-hand clearance."""
+    learn: bool = False
+    """Score experiences by their Beta posterior instead of the flat penalty on failures (`--learn`)."""

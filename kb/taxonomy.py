@@ -13,6 +13,7 @@ import yaml
 
 from kb.base import Noun
 from kb.errors import BadInputError
+from kb.vocabulary import UNKNOWN_CATEGORY
 
 CATEGORIES: tuple[str, ...] = (
     "cup",
@@ -63,6 +64,8 @@ class Taxonomy(Noun):
 
     def s_cat(self, query: str, entry: str) -> float:
         """Category score of level 1: 1.0 exact, 0.5 same superclass, else 0 (ledger A2.2)."""
+        if UNKNOWN_CATEGORY in (query, entry):
+            return 0.0  # two things that nobody can name have nothing in common by that
         if query == entry:
             return 1.0
         return 0.5 if self.same_superclass(query, entry) else 0.0

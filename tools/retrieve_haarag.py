@@ -12,8 +12,9 @@ from pydantic import Field
 from kb.affordance import AffordanceDescriptor
 from kb.base import Finite, Noun
 from kb.errors import EnvironmentFaultError
-from kb.experience import Funnel, Retrieval, RetrievedExperience
+from kb.experience import Experience, Funnel, Retrieval, RetrievedExperience
 from kb.experience_table import ExperienceTable
+from kb.learned import posterior_mean
 from kb.taxonomy import Taxonomy, taxonomy
 
 if TYPE_CHECKING:
@@ -82,7 +83,9 @@ def retrieve_haarag(args: RetrieveArgs, context: ToolContext) -> Retrieval:
     if context.switches.retrieval == "random_in_category":
         return _random(scored(args, store, admitted, s_cat), args.k, len(store), fallback, context.rng)
     fitting = admitted[affordance_scores(args.affordance, store.table(), admitted) >= TAU_AFFORDANCE - TAU_GUARD]
-    ranked = rank(scored(args, store, promising(args, store, fitting, s_cat), s_cat), args.affordance)
+    learn = context.switches.learn
+    likely = fitting if learn else promising(args, store, fitting, s_cat)
+    ranked = rank(scored(args, store, likely, s_cat, learn=learn), args.affordance)
     top = choose(ranked, args.k)
     funnel = Funnel(total=len(store), level1=len(admitted), level2=len(fitting), level3=len(top), fallback=fallback)
     return Retrieval(top=top, avoid=_avoid(ranked, args), funnel=funnel)
@@ -101,6 +104,11 @@ def affordance_similarity(query: AffordanceDescriptor, entry: AffordanceDescript
 def fused_score(s_cat: float, s_aff: float, s_vis: float, *, success: bool) -> float:
     """s_final, with the penalty on failures (Sec. III-A; ledger G14f)."""
     return (W_CATEGORY * s_cat + W_AFFORDANCE * s_aff + W_VISUAL * s_vis) * (1.0 if success else PENALTY)
+
+
+def posterior_factor(entry: Experience) -> float:
+    """While learning: between the penalty and 1, by the mean of the Beta posterior over the entry's success rate."""
+    return PENALTY + (1.0 - PENALTY) * posterior_mean(entry)
 
 
 def level_1(
@@ -150,15 +158,17 @@ def visual_scores(args: RetrieveArgs, store: ExperienceStore, rows: Rows) -> Arr
     return np.maximum(0.0, store.table().cosines(store.check_query(args.embedding), rows))
 
 
-def scored(args: RetrieveArgs, store: ExperienceStore, rows: Rows, s_cat: Array) -> list[RetrievedExperience]:
-    """These rows with the exact scores of all levels."""
+def scored(
+    args: RetrieveArgs, store: ExperienceStore, rows: Rows, s_cat: Array, *, learn: bool = False
+) -> list[RetrievedExperience]:
+    """These rows with the exact scores of all levels; while learning, with the posterior instead of the penalty."""
     table = store.table()
     s_aff, s_vis = affordance_scores(args.affordance, table, rows), visual_scores(args, store, rows)
     found: list[RetrievedExperience] = []
     places: list[int] = rows.tolist()
     for place, aff, vis in zip(places, s_aff.tolist(), s_vis.tolist(), strict=True):
         entry, cat = table.entries[place], float(s_cat[place])
-        score = fused_score(cat, aff, vis, success=entry.success)
+        score = fused_score(cat, aff, vis, success=entry.success or learn) * (posterior_factor(entry) if learn else 1.0)
         found.append(RetrievedExperience(experience=entry, s_cat=cat, s_aff=aff, s_vis=vis, score=score))
     return found
 

@@ -1,0 +1,167 @@
+"""The report of the learning study: growth curve, difference to the shipped knowledge base, and how honest promotions were."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bench.report import svg
+from bench.statistics import wilson
+from kb.learned import LearnedBase
+
+if TYPE_CHECKING:
+    from bench.learn_study import Asked, Taken
+
+BLOCK = 50
+"""Trials of a point on the growth curve."""
+WORKS = 0.5
+"""A promotion was wrong if its strategy, executed afterwards, succeeds less often than this."""
+RESAMPLES = 5000
+
+
+def difference(learner: Sequence[Taken], shipped: Sequence[Taken]) -> tuple[float, float, float]:
+    """Learner minus shipped in success over the same worlds, with its 95 % bootstrap interval over trials."""
+    count = min(len(learner), len(shipped))
+    deltas = np.array(
+        [float(a.success) - float(b.success) for a, b in zip(learner[:count], shipped[:count], strict=True)]
+    )
+    rng = np.random.default_rng(0)
+    means = deltas[rng.integers(0, count, (RESAMPLES, count))].mean(axis=1)
+    low, high = np.quantile(means, (0.025, 0.975))
+    return float(deltas.mean()), float(low), float(high)
+
+
+def growth(rows: Sequence[Taken]) -> list[dict[str, float]]:
+    """Success and attempts by blocks of trials."""
+    points: list[dict[str, float]] = []
+    for start in range(0, len(rows), BLOCK):
+        block = rows[start : start + BLOCK]
+        points.append(
+            {
+                "trials": start + len(block),
+                "success": sum(row.success for row in block) / len(block),
+                "attempts": sum(row.attempts for row in block) / len(block),
+                "entries": block[-1].entries,
+            }
+        )
+    return points
+
+
+def promotions(base: LearnedBase, learner: Sequence[Taken]) -> list[dict[str, Any]]:
+    """Every promotion with what the observer says afterwards: its strategy executed ten times on the object."""
+    from bench.kb_eval.relevance import TRIALS, successes
+
+    truth = {row.seed: row for row in learner}
+    found: list[dict[str, Any]] = []
+    for change in base.journal.changes:
+        if change.kind != "promoted" or change.entry is None:
+            continue
+        lessons = [
+            other.lesson
+            for other in base.journal.changes[: change.version]
+            if other.lesson is not None and other.lesson.key == change.key and other.lesson.success
+        ]
+        behind = [truth[lesson.seed] for lesson in lessons if lesson.seed in truth]
+        models = [row.model for row in behind]
+        model = max(set(models), key=models.count) if models else ""
+        found.append(
+            {
+                "entry": change.key,
+                "model": model,
+                "version": change.version,
+                "counted": len(behind),
+                "false": sum(not (row.success and row.truly_again) for row in behind),
+                "executed": successes(model, change.entry.strategy) / TRIALS if model else None,
+            }
+        )
+    return found
+
+
+def write_report(asked: Asked, learner: Sequence[Taken], shipped: Sequence[Taken], out: Path) -> str:
+    """Writes summary.json, growth.svg and report.md; returns the report."""
+    made = promotions(LearnedBase.open(out / "learner" / "kb"), learner)
+    wrong = [row for row in made if row["executed"] is not None and row["executed"] < WORKS]
+    mean, low, high = difference(learner, shipped)
+    summary = {
+        "asked": asked.model_dump(mode="json"),
+        "learner": {"n": len(learner), "successes": sum(row.success for row in learner), "growth": growth(learner)},
+        "shipped": {"n": len(shipped), "successes": sum(row.success for row in shipped), "growth": growth(shipped)},
+        "difference": {"value": mean, "low": low, "high": high},
+        "claims": sum(row.claimed for row in learner),
+        "false_claims": sum(row.claimed and not row.success for row in learner),
+        "promotions": made,
+        "wrong_promotions": len(wrong),
+        "refused": sum(len(row.refused) for row in learner),
+        "errors": [row.error for row in (*learner, *shipped) if row.error],
+    }
+    (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    (out / "growth.svg").write_text(growth_chart(growth(learner), growth(shipped)))
+    text = _text(summary)
+    (out / "report.md").write_text(text)
+    return text
+
+
+def _text(summary: dict[str, Any]) -> str:
+    asked, gap = summary["asked"], summary["difference"]
+    lines = [f"# Learning from nothing: {asked['trials']} trials, {asked['evaluator']}, {asked['perception']}", ""]
+    for name in ("learner", "shipped"):
+        arm = summary[name]
+        band = wilson(arm["successes"], arm["n"])
+        share = 100 * arm["successes"] / arm["n"]
+        lines.append(
+            f"- {name}: {arm['successes']}/{arm['n']} = {share:.1f} % [{100 * band.low:.1f}, {100 * band.high:.1f}]"
+        )
+    lines.append(f"- difference: {100 * gap['value']:+.1f} points [{100 * gap['low']:+.1f}, {100 * gap['high']:+.1f}]")
+    lines.append(
+        f"- claims: {summary['claims']}, of which false {summary['false_claims']} (injected share of failures {asked['false_claims']:g})"
+    )
+    lines.append(
+        f"- promotions: {len(summary['promotions'])}, wrong (executed afterwards, under half succeed): {summary['wrong_promotions']}; refused {summary['refused']}"
+    )
+    counted = sum(row["counted"] for row in summary["promotions"])
+    lines.append(f"- lifts behind promotions: {counted}, false {sum(row['false'] for row in summary['promotions'])}")
+    lines += ["", "| trials | success | attempts | entries | success, shipped |", "|---:|---:|---:|---:|---:|"]
+    for mine, other in zip(summary["learner"]["growth"], summary["shipped"]["growth"], strict=False):
+        lines.append(
+            f"| {mine['trials']} | {100 * mine['success']:.0f} % | {mine['attempts']:.2f} | {mine['entries']} | {100 * other['success']:.0f} % |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def growth_chart(learner: Sequence[dict[str, float]], shipped: Sequence[dict[str, float]]) -> str:
+    """Success of both arms against trials seen, as SVG."""
+    left, top, width, height = 60.0, 30.0, 520.0, 220.0
+    most = max((point["trials"] for point in learner), default=1)
+    items = [
+        svg.legend(
+            left,
+            10.0,
+            [("#2b6cb0", "learner, success"), ("#888888", "shipped, success"), ("#c05621", "learner, 1 / attempts")],
+        )
+    ]
+    for tick in (0, 25, 50, 75, 100):
+        y = top + height * (1 - tick / 100)
+        items += [svg.line(left, y, left + width, y, stroke="#dddddd"), svg.text(left - 8, y, str(tick), anchor="end")]
+    series = [
+        ([(p["trials"], p["success"]) for p in learner], "#2b6cb0"),
+        ([(p["trials"], p["success"]) for p in shipped], "#888888"),
+        ([(p["trials"], 1 / max(1.0, p["attempts"])) for p in learner], "#c05621"),
+    ]
+    for points, colour in series:
+        spots = [(left + width * x / most, top + height * (1 - y)) for x, y in points]
+        if spots:
+            items.append(
+                svg.path("M" + " L".join(f"{svg.num(x)},{svg.num(y)}" for x, y in spots), stroke=colour, width=2)
+            )
+            items += [svg.dot(x, y, 3, colour) for x, y in spots]
+    for point in learner:
+        items.append(
+            svg.text(
+                left + width * point["trials"] / most, top + height + 14, f"{point['trials']:.0f}", anchor="middle"
+            )
+        )
+    return svg.figure(left + width + 20, top + height + 30, items, "Success against trials seen")
