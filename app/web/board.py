@@ -16,6 +16,7 @@ from app.web.view import Candidate
 CURVE_POINTS = 240
 """Most points of a force curve sent to a page."""
 UNITS = {
+    "mm": (1.0, "mm", 1),
     "m": (1000.0, "mm", 1),
     "n": (1.0, "N", 1),
     "deg": (1.0, "°", 1),
@@ -147,7 +148,7 @@ class Board:
             row["verdict"] = verdict_row(record.verdict)
         if records:
             self.put("attempts", rows)
-        if result.constraints:
+        if result.constraints and result.executed:
             self.put("constraints", lamps(self.parts["constraints"], result))
 
     # Between steps ------------------------------------------------------------------------------------------------
@@ -268,7 +269,7 @@ def lamps(watched: Sequence[dict[str, Any]], result: Any) -> list[dict[str, Any]
     reasons = {row["kind"]: row for row in watched}
     for item in result.constraints:
         own = reasons.get(item.kind, {})
-        state = ("kept" if item.satisfied else "broken") if result.executed else "watched"
+        state = "kept" if item.satisfied else "broken"
         measured = [measurement(key, value) for key, value in item.measured.items()]
         reason = own.get("reason") or ("" if item.inferred else "required by the task; the agent did not infer it")
         rows.append(

@@ -69,6 +69,8 @@ class Desk:
         self._look: tuple[Any, ...] = ((), None, None)
         """Views, percept and graph of the last look."""
         self._stop_at = 0.0
+        self._stop_told = False
+        """The page has said itself that the running turn was stopped; the turn need not say it again."""
         self._orders: queue.Queue[Callable[[], None] | None] = queue.Queue(MAX_WAITING)
         self._thread = threading.Thread(target=self._work, name="ragvlm-desk", daemon=True)
         self._thread.start()
@@ -138,6 +140,7 @@ class Desk:
         """Stops the robot at once; it stays stopped until `release`."""
         if self.talk is not None:
             self._stop_at = time.monotonic()
+            self._stop_told = self.status.busy
             self.talk.stop()
         self._set(stopped=True, halted_ms=None, halted_at=None)
         self._note("stopped", "Stopped", "Stopped. Nothing moves until the robot is released.")
@@ -241,6 +244,7 @@ class Desk:
         talk = self.talk
         assert talk is not None
         self._said = self._said if goes_on else words
+        self._stop_told = False
         self._set(busy=True, replay=None, unfinished=None)
         if not goes_on:
             self.live.begin()
@@ -258,7 +262,7 @@ class Desk:
         self._set(busy=False, unfinished=talk.unfinished)
 
     def _on_step(self, step: Any) -> None:
-        if step.kind == "said":
+        if step.kind == "said" or (step.kind == "stopped" and self._stop_told):
             return
         self.board.on_step(step)
         talk = self.talk

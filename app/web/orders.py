@@ -33,7 +33,10 @@ class Say(Noun):
 class Plain(Noun):
     """Orders without a value."""
 
-    type: Literal["stop", "release", "approve", "reject", "why", "undo", "resume", "take", "live", "fresh"]
+    type: Literal[
+        "stop", "release", "approve", "reject", "why", "compare", "undo", "remember", "recall", "report", "resume",
+        "take", "live", "fresh",
+    ]  # fmt: skip
 
 
 class Edit(Noun):
@@ -78,10 +81,14 @@ class Add(Noun):
 
 
 class WhatIf(Noun):
-    """Simulate the last attempt with other numbers."""
+    """Simulate the last attempt otherwise."""
 
     type: Literal["whatif"]
-    force: Force
+    force: Force | None = None
+    aperture: Annotated[float, Field(ge=0.0, le=MAX_APERTURE)] | None = None
+    yaw: Annotated[Finite, Field(ge=-6.3, le=6.3)] | None = None
+    approach: Literal["top", "tilted", "side"] | None = None
+    candidate: Literal["other"] | None = None
 
 
 class Session(Noun):

@@ -117,17 +117,20 @@ def annotated(view: RgbdView, percept: Percept, graph: SceneGraph | None, target
     wide = draw_scene_graph(view, percept, graph, target=target, scale=SCALE)
     picture = Image.fromarray(np.ascontiguousarray(wide[:, : view.rgb.shape[1] * SCALE]))
     draw, font = ImageDraw.Draw(picture, "RGBA"), ImageFont.load_default(size=18)
-    taken: list[tuple[float, float, float, float]] = []
+    marks: list[tuple[float, float, str]] = []
     for thing in percept.objects:
         for part in thing.parts:
             x, y = project(view, np.array([part.centre]))[0] * SCALE
-            if not (np.isfinite(x) and 0 <= x < picture.width and 0 <= y < picture.height) or part.region == "body":
-                continue
-            draw.polygon([(x, y - 9), (x + 9, y), (x, y + 9), (x - 9, y)], fill=(255, 255, 255, 230), outline=(0, 0, 0))
-            box = _free(draw.textbbox((x + 16, y), part.region, font=font, anchor="lm"), taken)
-            taken.append(box)
-            draw.rounded_rectangle((box[0] - 4, box[1] - 3, box[2] + 4, box[3] + 3), 4, fill=(255, 255, 255, 225))
-            draw.text((box[0], (box[1] + box[3]) / 2), part.region, font=font, anchor="lm", fill=(20, 20, 20))
+            if part.region != "body" and np.isfinite(x) and 0 <= x < picture.width and 0 <= y < picture.height:
+                marks.append((float(x), float(y), part.region))
+    for x, y, _ in marks:
+        draw.polygon([(x, y - 9), (x + 9, y), (x, y + 9), (x - 9, y)], fill=(255, 255, 255, 230), outline=(0, 0, 0))
+    taken = [(x - 9, y - 9, x + 9, y + 9) for x, y, _ in marks]
+    for x, y, region in marks:
+        box = _free(draw.textbbox((x + 22, y), region, font=font, anchor="lm"), taken)
+        taken.append(box)
+        draw.rounded_rectangle((box[0] - 4, box[1] - 3, box[2] + 4, box[3] + 3), 4, fill=(255, 255, 255, 225))
+        draw.text((box[0], (box[1] + box[3]) / 2), region, font=font, anchor="lm", fill=(20, 20, 20))
     return np.asarray(picture)
 
 

@@ -21,6 +21,14 @@ FILES = re.compile(r"^/static/([a-z_]+\.(?:css|js|svg))$")
 PICTURES = re.compile(r"^/pictures/([0-9]+-[A-Za-z0-9_-]+\.jpg)$")
 ENTER_S = 10.0
 """For this long a page may take to say who it is [s]."""
+TURNS = {
+    "why": "Why did you grasp it that way?", "compare": "Compare the last two attempts.", "undo": "Undo that.",
+    "remember": "Remember that.", "recall": "What do you remember?", "report": "Report.", "resume": "Go on.",
+}  # fmt: skip
+"""Orders that are a turn of the conversation by themselves, and how they read in the transcript."""
+SESSION_FILES = re.compile(r"^/session/([A-Za-z0-9_-]+\.png)$")
+MAX_FILE = 20_000_000
+"""Largest picture of a session that is sent to a page [bytes]."""
 FREE = ("stop", "take", "point")
 """Orders that a page without the controls may give: anyone may stop the robot."""
 
@@ -47,7 +55,16 @@ class Reception:
         if found is not None:
             body = self._desk.pictures.get(found[1])
             return None if body is None else Reply(body, "image/jpeg")
-        return None
+        found = SESSION_FILES.match(path)
+        return None if found is None else self._picture(found[1])
+
+    def _picture(self, name: str) -> Reply | None:
+        """A picture that the conversation has written into its session's folder."""
+        talk = self._desk.talk
+        file = None if talk is None or talk.folder is None else talk.folder / name
+        if file is None or not file.is_file() or file.stat().st_size > MAX_FILE:
+            return None
+        return Reply(file.read_bytes(), "image/png")
 
     def _file(self, name: str) -> bytes:
         if name not in self._files:
@@ -116,15 +133,11 @@ class Reception:
             case "edit":
                 changes = order.model_dump(exclude={"type"}, exclude_none=True)
                 desk.turn("edited", lambda: talk.edit(**changes), goes_on=True)
-            case "why":
-                desk.turn("Why did you grasp it that way?", talk.why)
             case "whatif":
-                words = f"What would have happened with {order.force:g} N?"
-                desk.turn(words, lambda: talk.say(words))
-            case "undo":
-                desk.turn("Undo", talk.undo)
-            case "resume":
-                desk.turn("Go on", talk.resume)
+                changes = order.model_dump(exclude={"type"}, exclude_none=True)
+                desk.turn(_words(changes), lambda: talk.whatif(**changes))
+            case name if name in TURNS:
+                desk.turn(TURNS[name], getattr(talk, name))
             case "asks":
                 desk.set_asks(order.on)
             case "speed":
@@ -171,6 +184,16 @@ class Reception:
             raise BadInputError("this session is open; open another one first")
         delete_session(thread)
         self._hall.tell({"type": "offers", "value": self._offers()})
+
+
+def _words(changes: dict[str, Any]) -> str:
+    """A what-if as the person would say it."""
+    units = {"force": (1.0, " N"), "aperture": (1000.0, " mm"), "yaw": (57.29578, "°")}
+    said: list[str] = []
+    for name, value in changes.items():
+        scale, unit = units.get(name, (None, ""))
+        said.append(f"{name} {value}" if scale is None else f"{name} {value * scale:.3g}{unit}")
+    return f"What if: {', '.join(said)}?"
 
 
 def _text(message: dict[str, Any]) -> str:

@@ -35,7 +35,10 @@ def entry_of(step: Any) -> dict[str, Any] | None:
     details = DETAILS.get(step.kind)
     first, *rest = str(step.text).splitlines() or [""]
     extra = [*rest, *((line for line in details(step) if line not in step.text) if details else ())]
-    return {"kind": step.kind, "label": label, "text": first, "details": [*extra, *_facts(step)][:40]}
+    entry = {"kind": step.kind, "label": label, "text": first, "details": extra[:60]}
+    if getattr(step, "pictures", None) and step.kind == "whatif":
+        entry["picture"] = f"/session/{Path(step.pictures).name}"
+    return entry
 
 
 def _verdict(result: Any) -> dict[str, Any] | None:
@@ -43,7 +46,8 @@ def _verdict(result: Any) -> dict[str, Any] | None:
     goals = [goal for goal in result.goals if goal.attempts or goal.verdict is not None]
     if not goals or not result.executed:
         return None
-    wrong = any(goal.claimed != goal.success for goal in goals)
+    stopped = any(attempt.evidence.get("stopped_by") == "stop" for goal in goals for attempt in goal.attempts)
+    wrong = not stopped and any(goal.claimed != goal.success for goal in goals)
     text = f"The observer saw {'success' if result.success else 'no success'}."
     if wrong:
         text += " The robot is wrong about it."
@@ -51,16 +55,6 @@ def _verdict(result: Any) -> dict[str, Any] | None:
         text += f" Damage events: {result.damage_events}."
     lines = [attempt_line(attempt) for goal in goals for attempt in goal.attempts]
     return {"kind": "finished", "label": "Verdict", "text": text, "details": lines[:40]}
-
-
-def _facts(step: Any) -> list[str]:
-    """The typed facts of the conversation's own answers."""
-    if step.kind == "explained":
-        rejected = [f"rejected {count} candidates: {reason}" for reason, count in step.rejected.items()]
-        return [f"{fact.field}: {', '.join(fact.sources)}" for fact in step.facts] + [*step.constraints, *rejected]
-    if step.kind == "compared":
-        return [f"{row.field}: {row.first} | {row.second}" for row in step.rows]
-    return []
 
 
 class Transcript:

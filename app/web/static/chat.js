@@ -10,12 +10,19 @@ export function entryElement(entry) {
   if (entry.details.length) {
     box.append(h("details", {}, h("summary", {}, entry.details.length === 1 ? "numbers" : `${entry.details.length} lines`), ...entry.details.map((line) => h("div", {}, line))));
   }
+  // Only pictures of this session's own folder are shown, whatever an entry says.
+  if (/^\/session\/[A-Za-z0-9_-]+\.png$/.test(entry.picture ?? "")) box.append(h("img", { class: "aside", src: entry.picture, alt: "Both endings side by side" }));
   return box;
 }
 
 // The end stays in view while the person has not scrolled back, also when the box below grows or shrinks.
-let pinned = true;
-$("log").addEventListener("scroll", () => { const log = $("log"); pinned = log.scrollHeight - log.scrollTop - log.clientHeight < 60; });
+let pinned = true, top = 0;
+$("log").addEventListener("scroll", () => {
+  const log = $("log");
+  if (log.scrollHeight - log.scrollTop - log.clientHeight < 60) pinned = true;
+  else if (log.scrollTop < top) pinned = false;
+  top = log.scrollTop;
+});
 new ResizeObserver(() => { if (pinned) $("log").scrollTop = $("log").scrollHeight; }).observe($("log"));
 
 export function addEntry(entry) {

@@ -46,7 +46,7 @@ function showStatus(page) {
   $("state").textContent = text;
   const holder = $("holder");
   holder.className = `badge${controls.free && !yours ? " offer" : ""}`;
-  holder.textContent = yours ? "You have the controls" : controls.free ? "Take the controls" : `View only · page ${controls.holder} has the controls`;
+  holder.textContent = yours ? "You control" : controls.free ? "Take the controls" : `View only: page ${controls.holder} controls`;
   for (const id of ["scene-open", "session-open", "speed", "asks", "release", "words"]) $(id).disabled = !yours;
   document.querySelector(".send").disabled = !yours;
   $("words").placeholder = !yours ? "Another page has the controls" : status.busy ? "Steer it: “gentler”, “no, by the handle”" : "Tell the robot what to do";

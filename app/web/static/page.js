@@ -28,8 +28,8 @@ const PARTS = {
   constraints: (value) => showLamps(value),
   plan: (value) => { showGrasps(value, send); showWhy(value, page.board.experiences); },
   experiences: () => showWhy(page.board.plan, page.board.experiences),
-  attempts: (value) => showAttempts(value),
-  memory: (value) => showMemory(value),
+  attempts: (value) => showAttempts(value, send),
+  memory: (value) => showMemory(value, send),
   pictures: (value) => showPictures(value, page.camera, (name) => { page.camera = name; PARTS.pictures(page.board.pictures); }),
   pending: (value) => { showApproval(value, page.offers.limits, page.controls.yours, send); hints(); },
 };
@@ -37,12 +37,12 @@ const PARTS = {
 function hints() {
   const scene = page.offers.scenes.find((s) => s.name === page.status.scene);
   const say = (text) => [text, { type: "say", text }];
-  const done = page.board.attempts?.length;
+  const done = page.board.attempts?.filter((row) => row.tool === "execute_grasp").length;
   const words = page.status.unfinished ? [[`Go on: ${page.status.unfinished.slice(0, 40)}`, { type: "resume" }]] : [];
   if (!page.status.busy && !page.board.pending && page.controls.yours) {
-    if (done) words.push(["Why?", { type: "why" }], ["What if 4 N?", { type: "whatif", force: 4 }], ["Undo", { type: "undo" }]);
+    if (done) words.push(["Why?", { type: "why" }], ["What if 4 N?", { type: "whatif", force: 4 }], ...(done > 1 ? [["Compare", { type: "compare" }]] : []), ["Undo", { type: "undo" }]);
     else words.push(say(scene?.say || "pick it up"));
-    words.push(say("what do you see"));
+    if (!(done > 1)) words.push(say("what do you see"));
   }
   showHints(words, send);
 }

@@ -64,10 +64,11 @@ export function showScene(look, graph) {
     edges.length ? table([["relation of"], [""], ["to"], ["gap", "n"]], edges) : null);
 }
 
-export function showMemory(items) {
+export function showMemory(items, send) {
   const panel = $("panel-memory");
   if (!items.length) return fill(panel, empty("Nothing yet: what has worked in this session is remembered here, and used again for things alike."));
-  fill(panel, table([["thing"], ["grasp"], ["force", "n"], ["opening", "n"], ["weight", "n"], ["from"]],
+  const ask = (text, type) => h("button", { type: "button", class: "small", onclick: () => send({ type }) }, text);
+  fill(panel, h("p", { class: "row" }, ask("Remember the last one for good", "remember"), ask("What do you remember?", "recall")), table([["thing"], ["grasp"], ["force", "n"], ["opening", "n"], ["weight", "n"], ["from"]],
     items.map((i) => h("tr", {}, h("td", {}, h("b", {}, i.category)), h("td", {}, `${i.type} at the ${i.region}`), h("td", { class: "n" }, `${i.force} N`), h("td", { class: "n" }, `${i.aperture} mm`), h("td", { class: "n" }, i.mass === null ? "" : `${i.mass} g`), h("td", {}, i.source || `attempt ${i.attempts}`)))));
 }
 

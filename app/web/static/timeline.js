@@ -43,9 +43,28 @@ function card(row, number) {
   return h("div", { class: "attempt" }, h("div", { class: "head" }, ...head), row.curve.length > 1 ? plot(row) : null, facts ? h("div", { class: "soft" }, facts) : null);
 }
 
-export function showAttempts(rows) {
+const CHANGES = [["force", "force [N]", 4, 1], ["aperture", "opening [mm]", 60, 1000], ["yaw", "yaw [°]", 30, 180 / Math.PI], ["top", "approach from the top"], ["tilted", "a tilted approach"], ["side", "approach from the side"], ["other", "the next candidate"]];
+
+// Simulates the last attempt otherwise; kept between redraws so that what was typed stays.
+const value = h("input", { type: "number", step: "any", value: "4", "aria-label": "Value" });
+const pick = h("select", { "aria-label": "What would be different" }, ...CHANGES.map(([name, label]) => h("option", { value: name }, label)));
+pick.onchange = () => {
+  const change = CHANGES.find(([name]) => name === pick.value);
+  value.hidden = change.length === 2;
+  if (!value.hidden) value.value = change[2];
+};
+let order = () => {};
+const form = h("form", { class: "whatif", onsubmit: (event) => {
+  event.preventDefault();
+  const [name, , , scale] = CHANGES.find(([other]) => other === pick.value);
+  if (scale) order({ type: "whatif", [name]: Number(value.value) / scale });
+  else order({ type: "whatif", ...(name === "other" ? { candidate: "other" } : { approach: name }) });
+} }, h("b", {}, "What if"), pick, value, h("button", { type: "submit", class: "small" }, "Simulate"));
+
+export function showAttempts(rows, send) {
+  order = send;
   const panel = $("panel-attempts");
   if (!rows.length) return fill(panel, h("p", { class: "empty" }, "Every motion appears here with the forces that the fingers and the wrist felt, what the robot claims, and what the observer saw."));
   const legend = h("p", {}, h("span", { style: `color:${GRIP};font-weight:650` }, "▬ fingers"), " ", h("span", { style: `color:${WRIST};font-weight:650` }, "╌ wrist"), h("span", { class: "soft" }, " force [N] over simulated time, latest first"));
-  fill(panel, legend, ...rows.map((row, index) => card(row, index + 1)).reverse());
+  fill(panel, rows.some((row) => row.tool === "execute_grasp" && row.state !== "moving") ? form : null, legend, ...rows.map((row, index) => card(row, index + 1)).reverse());
 }
