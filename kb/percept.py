@@ -62,6 +62,10 @@ class PerceivedObject(Noun):
     """Extents of the box along its longer horizontal axis, shorter horizontal axis, and vertical [m]."""
     shape: Shape
     affordance: AffordanceDescriptor
+    affordance_confidence: float = 1.0
+    """How clearly the geometry says so, for an object of no known category; 1 where the category says it."""
+    fragility_range: tuple[Finite, Finite] | None = None
+    """Plausible fragility of an object of no known category; None where the category tells it."""
     state: ObjectState = "empty"
     transparent: bool = False
     colour: Vec3 = (0.5, 0.5, 0.5)

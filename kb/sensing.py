@@ -50,6 +50,8 @@ class Sensing(Noun):
     """Largest wrist force while closing [N]: an off-centre grasp pushes the hand."""
     load_lifted: Finite = 0.0
     """Mass that the wrist carries after a 2-cm lift, from the vertical wrist force [kg]."""
+    grip_raised: Finite = 0.0
+    """By how much the test lift raised the grip because something slipped or was heavy [N]."""
     load_end: Finite = 0.0
     """Mass that the wrist carries at the end [kg]."""
     load_min: Finite = 0.0

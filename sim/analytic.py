@@ -64,9 +64,10 @@ class AnalyticRobot(Robot):
         shake: bool = True,
         force_limit: float = FORCE_LIMIT,
         lift: float = FULL_LIFT,
+        most_force: float | None = None,
     ) -> Sensing:
         """As `Robot.grasp`; the outcome follows from the true scene."""
-        del joints, obstacles, shake
+        del joints, obstacles, shake, most_force
         if self.holding:
             raise BadInputError("the hand already holds something; place or release it first", where="grasp")
         self.world.attempt += 1

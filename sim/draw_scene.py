@@ -187,7 +187,7 @@ def _one_placement(
     inside = None
     for entry in placement_order(spec):
         thing = things[entry.id]
-        if thing.fixed:
+        if entry.model == "bin":
             base = (*bin_shape.CENTRE, bin_shape.FLOOR_Z - bin_shape.STAND - bin_shape.SHEET)
             done[entry.id] = replace(thing, position=base)
             inside = bin_shape.inside()

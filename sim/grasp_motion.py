@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kb.grasp import Grasp
 from sim.build_model import TIMESTEP
 from sim.controller import CLOSED, GRIP_COLUMN, along, follow, hold, holding_command, part
+from sim.grip_test import trial_lift
 from sim.hand import approach_time
 from sim.motion import Obstacle, Transit, clearances, plan_direct, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
@@ -160,15 +161,23 @@ def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:
     )
 
 
-def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach) -> bool:
-    """Lifts a little, weighs, and lifts the rest; False if the hand closed on nothing and there is nothing to lift."""
+def lift_up(motion: MotionRun, grasp: Grasp, reach: Reach, most_force: float | None = None) -> bool:
+    """Lifts a little, weighs, and lifts the rest; False if the hand closed on nothing and there is nothing to lift.
+
+    With `most_force` [N] the first bit is a test lift that raises the grip up to there if something slips.
+    """
     share = TEST_LIFT / reach.height
     first, rest = part(reach.lift, 0.0, share), part(reach.lift, share, 1.0)
     base_z = float(motion.world.read("robot/tcp_position")[2])
-    motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), motion.grip, reach.joints), "lift")
+    if most_force is not None and most_force > grasp.force:
+        held = trial_lift(motion, first, grasp.force, most_force, grasp.speed, TEST_LIFT)
+        motion.note(grip_raised=held - grasp.force)
+    else:
+        motion.run(follow(along(first, approach_time(TEST_LIFT, grasp.speed)), motion.grip, reach.joints), "lift")
     weighed = motion.run(hold(first[-1], motion.grip, 0.1), "lift")
     motion.carry(weighed)
-    motion.note(load_lifted=float(motion.wrist.mass(weighed.sensordata)[-25:].mean()))
+    # A hand that is pushed up from below carries nothing: a mass is never negative.
+    motion.note(load_lifted=max(0.0, float(motion.wrist.mass(weighed.sensordata)[-25:].mean())))
     if motion.aperture < NOTHING:
         _note_end(motion, weighed, base_z)
         return False

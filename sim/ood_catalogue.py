@@ -34,11 +34,21 @@ def _new(
     largest: float = 1.05,
     transparent: float = 0.0,
     soft: bool = False,
+    fixed: bool = False,
 ) -> ObjectModel:
     kind, material, fragility, region = affordance
     descriptor = AffordanceDescriptor(type=kind, material=material, fragility=fragility, region=region)
     return ObjectModel(
-        name, category, descriptor, mass, shape, palette, largest=largest, transparent=transparent, soft=soft
+        name,
+        category,
+        descriptor,
+        mass,
+        shape,
+        palette,
+        largest=largest,
+        transparent=transparent,
+        soft=soft,
+        fixed=fixed,
     )
 
 
@@ -104,9 +114,15 @@ NEAR: dict[str, ObjectModel] = {entry.name: entry for entry in _NEAR}
 FAR: dict[str, ObjectModel] = {entry.name: entry for entry in _FAR}
 """Instances of categories that neither the knowledge base nor the benchmark has."""
 STAND = _new(
-    "plate_stand", "stand", ("GRASPABLE_BODY", "wood", 0.0, "body"), 0.25, far_vessels.plate_stand, colours.WOOD
+    "plate_stand",
+    "stand",
+    ("GRASPABLE_BODY", "wood", 0.0, "body"),
+    0.25,
+    far_vessels.plate_stand,
+    colours.WOOD,
+    fixed=True,
 )
-"""What the dinner plate lies on; no object of the benchmark."""
+"""What the dinner plate lies on: fixed to the table, and no object of the benchmark."""
 ALL_MODELS: dict[str, ObjectModel] = {**MODELS, **NEAR, **FAR, STAND.name: STAND}
 """Everything that a scene file may name."""
 

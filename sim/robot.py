@@ -83,6 +83,7 @@ class Robot:
         shake: bool = True,
         force_limit: float = FORCE_LIMIT,
         lift: float = FULL_LIFT,
+        most_force: float | None = None,
     ) -> Sensing:
         """Moves to the grasp, closes, lifts, holds and shakes; a success ends holding the object in the air.
 
@@ -93,6 +94,8 @@ class Robot:
             shake: Whether to shake after holding.
             force_limit: Wrist force that aborts the approach [N]; lower for fragile targets.
             lift: Height of the lift [m], at least 5 cm; up to 4 cm less where the arm cannot do more.
+            most_force: If given, the first two centimetres are a test lift, and what slips is gripped harder, up to
+                this force per finger [N].
 
         Raises:
             BadInputError: the hand already holds something.
@@ -106,7 +109,7 @@ class Robot:
             arrive(motion, grasp, transit, force_limit)
             approach(motion, grasp, reach, force_limit)
             close(motion, grasp, reach)
-            if lift_up(motion, grasp, reach):
+            if lift_up(motion, grasp, reach, most_force):
                 hold_and_shake(motion, reach, shake)
         except HaltedError as halted:
             motion.note(stopped_by=halted.cause)

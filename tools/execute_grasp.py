@@ -52,12 +52,16 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         obstacles=obstacles(args.percept),
         force_limit=abort_force(target),
         lift=lift_height(args.plan.grasp.position, others),
+        most_force=trial_lift_cap(target),
     )
 
 
 def trial_lift_cap(target: PerceivedObject) -> float | None:
     """Force up to which a test lift may raise the grip [N]; None where the category tells weight and friction."""
-    return force_cap(target.affordance.fragility) if target.category == UNKNOWN_CATEGORY else None
+    if target.category != UNKNOWN_CATEGORY:
+        return None
+    middle = target.affordance.fragility if target.fragility_range is None else sum(target.fragility_range) / 2
+    return force_cap(max(target.affordance.fragility, middle))
 
 
 def abort_force(target: PerceivedObject) -> float:

@@ -1,6 +1,13 @@
-"""What an object of no known category affords, judged by its geometry alone (Sec. III-A's eight types)."""
+"""What an object of no known category affords, judged by its geometry and appearance (Sec. III-A's eight types).
+
+Each rule names one type, and says how clearly its thresholds are met. Fragility cannot be seen: it is an interval, and the
+descriptor carries the value that retrieval compares.
+"""
 
 from __future__ import annotations
+
+import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,17 +15,38 @@ from numpy.typing import NDArray
 from kb.affordance import FRAGILE_NEIGHBOUR, AffordanceDescriptor
 from kb.percept import Part
 from kb.vocabulary import AffordanceType, Material, Region
+from tools.perception.blob import HIDDEN
 from tools.perception.measure import Measured
 
-THIN_WALL = 0.008
-"""Rims up to this thick are gripped at the edge [m]."""
+THIN_WALL = 0.013
+"""Rims up to this thick are gripped at the edge [m]: 8 mm of a wall that leans by 40 degrees looks so thick."""
 
-FLAT, SLIM, SMALL = 0.022, 0.040, 0.028
+FLAT, SLIM, SMALL = 0.023, 0.040, 0.028
 """Heights of flat things, widths of slim ones, and extents of things to be pinched [m]."""
 
-FRAGILE_GLASS, CAREFUL = 0.8, 0.3
-"""Fragility taken for what is transparent or thin-stemmed, and for everything else that is not known."""
+FRAGILE_GLASS, CAREFUL, STURDY = 0.8, 0.3, 0.1
+"""Fragility taken for what is transparent or thin-stemmed, for most things, and for tools."""
+RANGES: dict[AffordanceType, tuple[float, float]] = {
+    "FRAGILE": (0.5, 0.95),
+    "GRASPABLE_HANDLE": (0.1, 0.6),
+    "GRASPABLE_EDGE": (0.1, 0.6),
+    "CLAMPABLE": (0.1, 0.6),
+    "WRAPPABLE": (0.0, 0.9),
+    "GRASPABLE_BODY": (0.0, 0.6),
+    "TOOL_HANDLE": (0.0, 0.3),
+    "PINCHABLE": (0.0, 0.3),
+}
+"""Plausible fragility by type: what is round and closed may be an egg or a ball."""
+BLUR = 0.15
+"""Relative error of a measured extent that the clarity of a rule reckons with."""
+BOOK, BOOK_HIGH = 0.040, 2.0
+"""What is thinner than this [m] and this many times as high and half as many times as long as thick stands on its edge."""
+ROUNDED = (0.70, 0.87)
+"""Share of its rectangle that an ellipse fills (0.785), with the errors of outlines."""
 
+
+THIN, LONGEST_PLATE = 0.014, 0.20
+"""Height of a thin plate, and the length up to which it may be a device [m]."""
 
 TILTED = 0.95
 """|cosine| between a plate's normal and the vertical below which it does not lie flat (18 degrees)."""
@@ -39,36 +67,76 @@ def leans_as_plate(points: NDArray[np.float64]) -> bool:
     return bool(thin < PLATE and wide > PLATE_WIDTH and abs(axes[2, 0]) < TILTED)
 
 
-def affordance_of_unknown(measured: Measured, parts: tuple[Part, ...], *, transparent: bool) -> AffordanceDescriptor:
-    """The affordance descriptor of an unknown object."""
+@dataclass(frozen=True)
+class Afforded:
+    """What an unknown object seems to afford."""
+
+    descriptor: AffordanceDescriptor
+    confidence: float
+    """How clearly the rule's thresholds are met, in (0, 1)."""
+    fragility_range: tuple[float, float]
+
+
+def _is_thin_plate(m: Measured) -> bool:
+    """Whether the thing is a wide plate that lies flat."""
+    longer, shorter, height = (float(value) for value in m.box.size)
+    return not m.is_round and height < THIN and shorter > SLIM and longer < LONGEST_PLATE
+
+
+def affordance_of_unknown(measured: Measured, parts: tuple[Part, ...], *, transparent: bool) -> Afforded:
+    """What an unknown object affords, with its uncertainty.
+
+    Args:
+        measured: Its measurements.
+        parts: Its parts, as measured.
+        transparent: Whether it is clear.
+    """
     regions: dict[Region, Part] = {part.region: part for part in parts}
-    kind, region = _type_and_region(measured, regions, transparent)
-    if not transparent and "stem" not in regions and leans_as_plate(measured.blob.xyz):
-        # A plate that leans is as breakable as the one clampable thing of Table I, and falls when it is touched.
-        return AffordanceDescriptor(type="CLAMPABLE", material="mixed", fragility=FRAGILE_NEIGHBOUR, region="edge")
+    seen_from_above = float(measured.blob.from_top.mean()) >= HIDDEN
+    leans = seen_from_above and leans_as_plate(measured.blob.xyz)  # else: the front of what carries something
+    if not transparent and "stem" not in regions and (leans or _is_thin_plate(measured)):
+        # A thin plate is as breakable as the one clampable thing of Table I; if it leans, it falls when touched.
+        found = AffordanceDescriptor(type="CLAMPABLE", material="mixed", fragility=FRAGILE_NEIGHBOUR, region="edge")
+        return Afforded(found, 0.7, RANGES["CLAMPABLE"])
+    kind, region, clarity = _type_and_region(measured, regions, transparent)
     material: Material = "glass" if transparent else "mixed"
-    fragile = transparent or "stem" in regions
-    return AffordanceDescriptor(
-        type=kind, material=material, fragility=FRAGILE_GLASS if fragile else CAREFUL, region=region
-    )
+    fragility = FRAGILE_GLASS if kind == "FRAGILE" else STURDY if kind in ("TOOL_HANDLE", "PINCHABLE") else CAREFUL
+    found = AffordanceDescriptor(type=kind, material=material, fragility=fragility, region=region)
+    return Afforded(found, round(clarity, 3), RANGES[kind])
 
 
-def _type_and_region(m: Measured, parts: dict[Region, Part], transparent: bool) -> tuple[AffordanceType, Region]:
+def _type_and_region(m: Measured, parts: dict[Region, Part], transparent: bool) -> tuple[AffordanceType, Region, float]:
+    """The first rule that holds: type, region, and how clearly it holds."""
     longer, shorter, height = (float(value) for value in m.box.size)
     if "stem" in parts:
-        return "FRAGILE", "stem"
+        return "FRAGILE", "stem", 0.9 * parts["stem"].confidence
     if transparent:
-        return "FRAGILE", "neck" if "neck" in parts else "body"
+        return "FRAGILE", "neck" if "neck" in parts else "body", 0.7
     if "handle" in parts:
-        return ("GRASPABLE_HANDLE" if m.is_round else "TOOL_HANDLE"), "handle"
+        handle = parts["handle"]
+        return ("GRASPABLE_HANDLE" if handle.outward is not None else "TOOL_HANDLE"), "handle", 0.9 * handle.confidence
     if "rim" in parts and parts["rim"].width < THIN_WALL:
-        return "GRASPABLE_EDGE", "rim"
+        return "GRASPABLE_EDGE", "rim", _below(parts["rim"].width, THIN_WALL)
     if max(shorter, height) < SMALL and longer < 0.10:
-        return "PINCHABLE", "body"
+        return "PINCHABLE", "body", _below(max(shorter, height), SMALL)
     if longer > 3.0 * shorter and shorter < SLIM and height < SLIM:
-        return "TOOL_HANDLE", "body"
-    if height < FLAT and shorter > SLIM:
-        return "CLAMPABLE", "edge"
-    if m.is_ball or (m.is_round and height < 1.3 * longer):
-        return "WRAPPABLE", "body"
-    return "GRASPABLE_BODY", "body"
+        return "TOOL_HANDLE", "body", min(_below(shorter, SLIM), _below(3.0 * shorter, longer))
+    if height < FLAT and shorter > 0.030:
+        return "CLAMPABLE", "edge", _below(height, FLAT)
+    if shorter < BOOK and height > BOOK_HIGH * shorter and longer > BOOK_HIGH * shorter and not m.is_round:
+        return "CLAMPABLE", "edge", _below(BOOK_HIGH * shorter, min(height, longer))
+    if m.is_ball or (m.is_round and height < 1.3 * longer and not m.hollow) or is_rounded(m):
+        return "WRAPPABLE", "body", 0.8
+    return "GRASPABLE_BODY", "body", 0.6
+
+
+def is_rounded(m: Measured) -> bool:
+    """Whether a thing of no special shape is rounded all over: an egg, a bulb, a plush animal, and no brick."""
+    longer, shorter, height = (float(value) for value in m.box.size)
+    fill = m.outline.hull_area / (longer * shorter)
+    return ROUNDED[0] < fill < ROUNDED[1] and longer < 2.6 * shorter and height < 2.0 * shorter and not m.hollow
+
+
+def _below(value: float, limit: float) -> float:
+    """Probability that a value, measured with the relative error `BLUR`, is truly below the limit."""
+    return 0.5 * (1.0 + math.erf((limit / value - 1.0) / (BLUR * math.sqrt(2.0))))

@@ -20,6 +20,7 @@ from tools.perception.features import colour_features, features
 from tools.perception.join_clusters import join_clusters
 from tools.perception.look import Look
 from tools.perception.measure import Measured, measure
+from tools.perception.one_thing import continues, is_part_of
 from tools.perception.piece_facts import NESTED_BASE, PieceFacts, gap
 
 UNKNOWN_COST = 2.0
@@ -58,6 +59,9 @@ HIDDEN_TOP = 0.030
 
 ON_TABLE = 0.008
 """What is seen lower than this stands on the table [m]; a phone is 10 mm thick."""
+
+FOOT_ON_TABLE = 0.0065
+"""What reaches down to this with more than stray points stands on the table [m], in a ring maybe."""
 
 OVERLAP = 0.25
 """What stands on something overlaps it by this share of its width at least, seen from above."""
@@ -174,7 +178,8 @@ class Merger:
     def _gain(self, groups: list[tuple[int, ...]], i: int, j: int) -> float:
         """Cost saved by merging two groups; negative if they do not touch."""
         upper, lower = self._candidate(groups[i], groups), self._candidate(groups[j], groups)
-        for one, two, group in ((upper, lower, groups[j]), (lower, upper, groups[i])):
+        glass = min(upper.measured.lost, lower.measured.lost) > CLEAR_LOSS and self._together(groups, i, j).known
+        for one, two, group in ((upper, lower, groups[j]), (lower, upper, groups[i])) if not glass else ():
             if one.under in group and one.known and one.judgement.distance < SURE and not two.known:
                 return -1.0
             if one.under in group and one.known and two.known:
@@ -195,6 +200,15 @@ class Merger:
             return gain + 1.5  # one colour that something else cuts apart
         share = len(first.measured.blob.xyz) / len(both.measured.blob.xyz)
         stacked = first.under in groups[j] or second.under in groups[i]
+        for one, two, group in ((first, second, groups[j]), (second, first, groups[i])):
+            if (
+                one.under in group
+                and not (one.known or two.known)
+                and is_part_of(one.measured, two.measured, both.measured)
+            ):
+                return gain
+        if not (stacked or first.known or second.known) and continues(first.measured, second.measured):
+            return gain
         crumb = min(share, 1 - share) < CRUMB and not stacked
         if not (both.known or first.hangs or second.hangs or crumb):
             return -1.0  # two strange things side by side are two
@@ -231,7 +245,8 @@ class Merger:
             nested = carried is not None and self._facts.nested(carried, group)
             load = None if carried is None or nested else self._candidate(carried, [group]).measured
             measured = measure(blob, support, load)
-            judgement = classify(features(measured), colour_features(measured), self._references, self._nouns)
+            shape, colour = features(measured), colour_features(measured)
+            judgement = classify(shape, colour, self._references, self._nouns, self._facts.look.noise)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
             lowest = self._facts.span(group).foot
             hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
@@ -252,7 +267,7 @@ class Merger:
         mine = self._facts.span(group)
         lowest = float(mine.low[2])
         best: tuple[int | None, float] = (None, 0.0)
-        if lowest < ON_TABLE:
+        if lowest < ON_TABLE or mine.foot < FOOT_ON_TABLE:
             return best
         for other in others:
             if other == group or set(other) & set(group):

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.base import Vec3
-from kb.percept import PerceivedObject, Percept, Shape, pack_surface
+from kb.percept import Part, PerceivedObject, Percept, Shape, pack_surface
 from kb.priors import density, prior
 from kb.references import References, load_references
 from kb.rgbd import RgbdView
-from kb.vocabulary import UNKNOWN_CATEGORY, PerceptionName
+from kb.vocabulary import UNKNOWN_CATEGORY, ObjectState, PerceptionName
 from tools.perceive import PerceiveArgs
 from tools.perception.affordance_of_unknown import affordance_of_unknown
 from tools.perception.blob import CLEAR_LOSS, Blob
@@ -24,6 +24,8 @@ from tools.perception.look import Look, take_apart
 from tools.perception.measure import Measured
 from tools.perception.merge import Candidate, Merger
 from tools.perception.parts import find_parts
+from tools.perception.round_core import round_core
+from tools.perception.slim_end import slim_end
 from tools.perception.state import state_of
 from tools.perception.track_ids import track_ids
 from tools.perception.visibility import visible_fraction
@@ -31,11 +33,17 @@ from tools.perception.visibility import visible_fraction
 GHOST_POINTS, GHOST_HEIGHT = 120, 0.012
 """A flat blob lower than the second [m] with fewer points than the first that one view alone sees is edge noise."""
 
+FAINT_POINTS, FAINT_HEIGHT = 300, 0.0062
+"""The same for so few points at so low a median height [m]: the table's own noise at its edge."""
+
 FLOATING = 0.06
 """What has nothing under it within this distance is not on the table [m]: the hand, or what it holds."""
 
 FEWEST_EMBEDDED = 60
 """Pixels of the front view that an embedding needs; with fewer the top view serves."""
+
+WIDEST_HANDLE = 0.040
+"""What is thicker is no handle but the head of a tool [m]."""
 
 SOLIDITY = 0.8
 """Share of hull area times height that an unknown object is taken to fill, for its mass."""
@@ -71,9 +79,19 @@ class RgbdPerceiver:
 
     def _describe(self, item: Candidate, look: Look) -> PerceivedObject:
         measured, judgement = item.measured, item.judgement
-        parts = find_parts(measured)
-        transparent = measured.lost > CLEAR_LOSS
         unknown = judgement.category == UNKNOWN_CATEGORY
+        if unknown:
+            measured = round_core(measured) or measured
+        parts = find_parts(measured)
+        if unknown and not measured.is_round and not measured.is_ball:
+            slim = (
+                ()
+                if any(part.region == "handle" and part.width < WIDEST_HANDLE for part in parts)
+                else slim_end(measured)
+            )
+            parts = (*slim, *(part for part in parts if not slim or part.region not in ("handle", "edge")))
+        transparent = measured.lost > CLEAR_LOSS
+        afforded = affordance_of_unknown(measured, parts, transparent=transparent) if unknown else None
         expected = prior(judgement.category)
         position = _vec(measured.box.centre)
         colour = mean_colour((measured.blob.rgb * 255).astype(np.uint8))
@@ -87,16 +105,10 @@ class RgbdPerceiver:
             yaw=float(measured.box.yaw),
             size=_vec(measured.box.size),
             shape=shape_of(measured),
-            affordance=affordance_of_unknown(measured, parts, transparent=transparent)
-            if unknown
-            else expected.affordance,
-            state=state_of(
-                measured,
-                parts,
-                stands_on_object=item.under is not None,
-                holds_object=item.holds,
-                contents_seen=bool(item.contents),
-            ),
+            affordance=expected.affordance if afforded is None else afforded.descriptor,
+            affordance_confidence=1.0 if afforded is None else afforded.confidence,
+            fragility_range=None if afforded is None else afforded.fragility_range,
+            state=_state(item, measured, parts),
             transparent=transparent,
             colour=colour,
             colour_name=colour_name(colour),
@@ -125,12 +137,28 @@ class RgbdPerceiver:
         return tuple(float(value) for value in vector)
 
 
+def _state(item: Candidate, measured: Measured, parts: tuple[Part, ...]) -> ObjectState:
+    """Empty, filled or stacked."""
+    shallow = measured.top - measured.base < measured.radius
+    if shallow and item.judgement.category == UNKNOWN_CATEGORY and not item.contents and item.under is None:
+        return "empty"  # how deep a plate or a strange bowl ought to be is not known
+    return state_of(
+        measured,
+        parts,
+        stands_on_object=item.under is not None,
+        holds_object=item.holds,
+        contents_seen=bool(item.contents),
+    )
+
+
 def _is_real(item: Candidate) -> bool:
     """Neither a ghost of edge noise nor something in the air."""
     m = item.measured
     share = float(m.blob.from_top.mean())
     one_view = share < 0.04 or share > 0.96
     if one_view and m.top - m.base < GHOST_HEIGHT and len(m.blob.xyz) < GHOST_POINTS:
+        return False
+    if one_view and len(m.blob.xyz) < FAINT_POINTS and float(np.median(m.blob.xyz[:, 2])) < FAINT_HEIGHT:
         return False
     lowest = float(np.quantile(m.blob.xyz[:, 2], 0.02))
     return lowest - m.base < FLOATING + 0.5 * m.radius

@@ -59,6 +59,8 @@ class ForceTerms:
     """Height of the object's highest point [m]."""
     steps: tuple[Provenance, ...]
     """Where `base` comes from."""
+    gentle: float | None = None
+    """What even the most fragile reading of an unknown object bears [N]: a test lift may raise the grip from there."""
     literal: bool = False
     """The force is `base` as it stands, within what the motor can do: neither floor nor cap (the paper as printed)."""
 
@@ -66,7 +68,8 @@ class ForceTerms:
         """Force per finger for a candidate [N]."""
         if self.literal:
             return min(MAX_FORCE, max(MIN_FORCE, self.base))
-        return min(MAX_FORCE, max(MIN_FORCE, min(max(self.base, self.floor, self.tipping(candidate)), self.cap)))
+        cap = self.cap if self.gentle is None else min(self.cap, self.gentle)
+        return min(MAX_FORCE, max(MIN_FORCE, min(max(self.base, self.floor, self.tipping(candidate)), cap)))
 
     def tipping(self, candidate: Candidate) -> float:
         """Force below which the weight, hanging beside the grip, turns the object between the pads [N]."""
@@ -92,6 +95,9 @@ class ForceTerms:
                 steps.append(Provenance(source="geometry", id=name, value=round(value, 2)))
         if force > self.cap:
             steps.append(Provenance(source="geometry", id="fragility cap", value=round(self.cap, 2)))
+        if self.gentle is not None and force > self.gentle:
+            said = "may be fragile: test lift first"
+            steps.append(Provenance(source="geometry", id=said, value=round(self.gentle, 2)))
         return tuple(steps)
 
 
@@ -130,10 +136,6 @@ def force_terms(
         base = prior.force if prior.force is not None else max(EASY_FACTOR * floor, LEAST_FORCE)
         name = prior.id if known else f"{EASY_FACTOR:g} times the no-slip minimum"
         steps.append(Provenance(source=prior.source if known else "default", id=name, value=round(base, 2)))
-        gentle = first_force(subject)
-        if gentle is not None and base > gentle:
-            base = gentle
-            steps.append(Provenance(source="geometry", id="may be fragile: test lift first", value=round(base, 2)))
         if scale != 1.0:
             base *= scale
             steps.append(Provenance(source="constraint", id=scale_reason, value=f"x {scale:g}"))
@@ -146,6 +148,7 @@ def force_terms(
         centre=weight_centre(subject),
         top=subject.top_z,
         steps=tuple(steps),
+        gentle=first_force(subject) if corrected is None else None,
     )
 
 

@@ -83,7 +83,7 @@ def dinner_plate(scale: float, colour: Colours) -> Form:
 
 
 def plate_stand(scale: float, colour: Colours) -> Form:
-    """What the plate lies on: a wooden disc, 9 cm across and 3 cm high, heavy enough to stay."""
+    """What the plate lies on: a wooden disc, 9 cm across and 3 cm high."""
     s = scale
     return Form(
         (cylinder(0.045 * s, 0.0, 0.03 * s, colour()),),

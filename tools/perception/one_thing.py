@@ -1,0 +1,76 @@
+"""Whether something strange on or beside something strange is a part of it: a cap, keys, pages, a hammer's head.
+
+What a person puts together lies askew; what is made as one has a common axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tools.perception.measure import Measured
+
+LAYER = 0.004
+"""What rises less than this above its support is a part of its surface [m]: no object is that thin."""
+COMMON_AXIS = 0.004
+"""Distance of the middles up to which two pieces have one axis [m]."""
+CAP = 0.75
+"""A round cap on a body that is not round is narrower than this share of the body's narrow side."""
+ALIGNED = 10.0
+"""Angle up to which two pieces are parallel or square to each other [deg]."""
+ABUTS = 0.012
+"""Free distance of two pieces that lie end to end [m]."""
+SLICE, COVERS = 0.022, 0.6
+"""A flat piece up to this high [m] that covers this share of a body's top is the top of it."""
+
+
+def is_part_of(upper: Measured, lower: Measured, both: Measured) -> bool:
+    """Whether `upper`, which seems to lie on `lower`, is rather a part of it; both fit no category."""
+    height, below = upper.top - upper.base, lower.top - lower.base
+    if height < LAYER:
+        return True
+    if upper.is_round and both.is_round and both.radius > upper.radius - COMMON_AXIS and below > height:
+        # The cap hides the back of what is below it; together they are round about the cap's axis.
+        if float(np.hypot(*(upper.centre - both.centre))) < COMMON_AXIS:
+            return True
+    apart = float(np.hypot(*(upper.centre - lower.centre)))
+    if apart > COMMON_AXIS:
+        return _within(upper, lower) and _symmetric(upper, lower)
+    if upper.is_round and lower.is_round:
+        return upper.radius < lower.radius + COMMON_AXIS and below > 0.5 * height
+    if upper.is_round:
+        return 2.0 * upper.radius < CAP * float(lower.box.size[1]) and below > 1.5 * height
+    share = float(np.prod(upper.box.size[:2]) / np.prod(lower.box.size[:2]))
+    return height < SLICE and _within(upper, lower) and share > COVERS and below > 2.0 * height
+
+
+def continues(one: Measured, two: Measured) -> bool:
+    """Whether two pieces that touch side by side are one thing: the axis of one runs through the middle of the other."""
+    for first, second in ((one, two), (two, one)):
+        x, _ = np.abs(first.box.local(second.box.centre[None])[0, :2])
+        if first.is_round or not _symmetric(second, first):
+            continue
+        square = _angle(first, second) > 45.0
+        half = float(second.box.size[1 if square else 0]) / 2
+        if -0.3 * half < x - float(first.box.size[0]) / 2 - half < ABUTS:
+            return True
+    return False
+
+
+def _within(upper: Measured, lower: Measured) -> bool:
+    """Neither of its sides is longer than the other's."""
+    return bool(np.all(upper.box.size[:2] < lower.box.size[:2] + COMMON_AXIS))
+
+
+def _symmetric(piece: Measured, body: Measured) -> bool:
+    """Its middle lies on the body's long axis, and its sides are parallel to the body's."""
+    if piece.is_round or body.is_round:
+        return False
+    off = abs(float(body.box.local(piece.box.centre[None])[0, 1]))
+    angle = _angle(piece, body)
+    return off < COMMON_AXIS and min(angle, 90.0 - angle) < ALIGNED
+
+
+def _angle(one: Measured, two: Measured) -> float:
+    """Angle between the long axes [deg], in [0, 90]."""
+    turn = abs(float(one.box.yaw - two.box.yaw)) % np.pi
+    return float(np.degrees(min(turn, np.pi - turn)))
