@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,8 @@ class Attempt:
     """Simulated duration [s]."""
     peak_n: float | None
     """Peak contact force on the object [N], by the observer."""
+    remembered: bool = False
+    """A number of the grasp came from the episodic memory."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +107,12 @@ class Trial:
     """Wall times of the run's parts [s]."""
     wall_s: float
     bare_step_ratio: float | None
+    strict: bool | None = None
+    """Success with every grasp on the annotated region and no required constraint violated; None: not recorded."""
+    executed: bool = True
+    """The robot moved at all."""
+    damage_limit_n: Mapping[str, float] = field(default_factory=dict)
+    """Force from which each object counts as damaged [N]."""
 
     @property
     def key(self) -> Key:
@@ -160,6 +168,9 @@ def digest(row: Mapping[str, Any]) -> Trial:
         times_s={name: float(value) for name, value in times.items()},
         wall_s=float(row.get("wall_s") or times.get("total") or 0.0),
         bare_step_ratio=row.get("bare_step_ratio"),
+        strict=None if row.get("strict") is None else bool(row["strict"]) and not error,
+        executed=bool(row.get("executed", True)),
+        damage_limit_n=dict(row.get("damage_limit_n") or {}),
     )
 
 
@@ -200,6 +211,9 @@ def _attempt(attempt: Mapping[str, Any]) -> Attempt:
         q=quality.get("q"),
         sim_s=float((attempt.get("evidence") or {}).get("sim_time") or 0.0),
         peak_n=verdict.get("peak_force_n"),
+        remembered=any(
+            step.get("source") == "memory" for steps in (attempt.get("provenance") or {}).values() for step in steps
+        ),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bench.paper_tables import MEAN_ATTEMPTS, RECOVERED, TABLE_II, TABLE_V, TRIALS
-from bench.report.contrasts import Contrast, adjusted, contrasts
+from bench.report.contrasts import REGISTERED, Contrast, adjusted, contrasts
 from bench.report.recovery import subgoals
 from bench.report.results import CATEGORIES, CATEGORY_WORDS, Results, solved
 from bench.report.safety import satisfaction
@@ -83,6 +83,21 @@ def findings(results: Results) -> list[Finding]:
     errors = sum(t.harness_error is not None for t in results.all)
     said = f"{errors or 'None'} of the {len(results.all)} trials ended in a harness error"
     return [*words, Finding("harness", f"{said}; they count as failures." if errors else f"{said}.")]
+
+
+def silent(results: Results) -> list[str]:
+    """What was to be compared and could not be, one sentence each."""
+    made = {item.name for item in contrasts(results)}
+    words: list[str] = []
+    for name in REGISTERED:
+        if name in made:
+            continue
+        rival, _, level = name.partition(" at noise ")
+        noise = float(level) if level else results.noise
+        ran = any(t.configuration == rival and t.noise == noise for t in results.all)
+        why = "no first attempt of full failed there" if ran and level else "the two share no trial"
+        words.append(f"full against {name}: nothing to compare, {why}.")
+    return words
 
 
 def _contrast(item: Contrast, p: float) -> Finding:

@@ -15,7 +15,7 @@ from typing import Any
 
 from bench import agreement
 from bench.cells import cells
-from bench.report import contrasts, diagnosis, noise, paper, recovery, safety, success, times
+from bench.report import contrasts, diagnosis, noise, paper, predictions, recovery, safety, success, times
 from bench.report.chart_parts import failure_chart, flow_chart, ladder_chart, time_chart
 from bench.report.chart_success import contrast_chart, noise_chart, success_chart
 from bench.report.findings import Finding, cards, findings
@@ -113,6 +113,7 @@ def chapters(results: Results, extras: Extras) -> list[Section]:
                 (flow_chart(results), "The sub-goals of full on the ladder: blue flows were solved, orange went on to "
                  "the next level, red ended unsolved.")], recovery.tables(results)),
         Section("safety", "Safety and constraints", "", [], safety.tables(results)),
+        Section("predictions", "Predictions, forces and habits", "", [], predictions.tables(results)),
         Section("failures", "Failures and diagnosis", "",
                 [(failure_chart(results), "Failed attempts by the observer's label.")], diagnosis.tables(results)),
         Section("noise", "Noise", "", [(noise_chart(results), "Bands: 95 % Wilson intervals.")], noise.tables(results)),
