@@ -43,7 +43,7 @@ class Attempt(Noun):
     """Opaque snapshot of the world before the motion, for simulating what would have happened."""
 
 
-KEPT_ATTEMPTS, KEPT_MOMENTS = 64, 8
+KEPT_ATTEMPTS, KEPT_MOMENTS = 24, 6
 """Attempts of earlier turns that are kept, and attempts whose saved moment is: every checkpoint holds them all."""
 
 
@@ -64,11 +64,13 @@ def add_attempts(old: tuple[Attempt, ...], new: tuple[Attempt, ...]) -> tuple[At
 
 
 def _lighter(attempt: Attempt, turn: int) -> Attempt:
-    """The attempt without its saved moment, and without the look unless its own turn still needs that."""
-    if not attempt.before and (attempt.percept is None or attempt.turn == turn):
+    """The attempt without its saved moment and, unless its own turn still needs them, without look and pictures' traces."""
+    if attempt.turn == turn:
+        return attempt if not attempt.before else attempt.model_copy(update={"before": b""})
+    if not attempt.before and attempt.percept is None and not attempt.target.surface:
         return attempt
-    percept = attempt.percept if attempt.turn == turn else None
-    return attempt.model_copy(update={"before": b"", "percept": percept})
+    target = attempt.target.model_copy(update={"surface": b"", "embedding": ()})
+    return attempt.model_copy(update={"before": b"", "percept": None, "target": target})
 
 
 class Held(Noun):

@@ -75,15 +75,21 @@ def sqlite_saver(path: Path) -> Any:
     return saver
 
 
+ENDS = 20
+"""Branches of a forked conversation whose last checkpoint stays however old it is."""
 KEPT = 100
 """Checkpoints kept per thread: the last few instructions, step by step; a conversation must not grow without bound."""
 
 
 def prune(saver: Any, thread: str, keep: int = KEPT) -> None:
-    """Forgets all but the last `keep` checkpoints of a thread."""
+    """Forgets all but the last `keep` checkpoints of a thread and the ends of its last `ENDS` branches."""
     with saver.lock:
-        old = """thread_id = ? AND checkpoint_id NOT IN
-                 (SELECT checkpoint_id FROM checkpoints WHERE thread_id = ? ORDER BY checkpoint_id DESC LIMIT ?)"""
+        old = """thread_id = :thread AND checkpoint_id NOT IN
+                 (SELECT checkpoint_id FROM checkpoints WHERE thread_id = :thread ORDER BY checkpoint_id DESC LIMIT :keep)
+                 AND checkpoint_id NOT IN
+                 (SELECT checkpoint_id FROM checkpoints WHERE thread_id = :thread AND checkpoint_id NOT IN
+                  (SELECT parent_checkpoint_id FROM checkpoints WHERE thread_id = :thread
+                   AND parent_checkpoint_id IS NOT NULL) ORDER BY checkpoint_id DESC LIMIT :ends)"""
         for table in ("writes", "checkpoints"):
-            saver.conn.execute(f"DELETE FROM {table} WHERE {old}", (thread, thread, keep))
+            saver.conn.execute(f"DELETE FROM {table} WHERE {old}", {"thread": thread, "keep": keep, "ends": ENDS})
         saver.conn.commit()

@@ -75,6 +75,21 @@ class Agent:
         snapshot = self._graph.get_state(self._config)
         return snapshot.values.get("instruction") if snapshot.next else None
 
+    @property
+    def graph(self) -> Any:
+        """The compiled graph with its checkpointer."""
+        return self._graph
+
+    @property
+    def config(self) -> dict[str, Any]:
+        """What names this conversation to the graph."""
+        return self._config
+
+    @property
+    def perception(self) -> str:
+        """Name of the perception."""
+        return self._names["perception"]
+
     # Running -----------------------------------------------------------------------------------------------------
 
     def run(self, instruction: str, on_step: Callable[[BaseStep], None] | None = None) -> RunResult:

@@ -38,7 +38,7 @@ from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
 
 Run = Runtime[AgentContext]
 
-KEPT_MOTIONS = 24
+KEPT_MOTIONS = 4
 """Motions of earlier turns that the observer still knows: its record is part of every checkpoint."""
 
 

@@ -45,6 +45,7 @@ from kb.errors import BadInputError, EnvironmentFaultError, RagVlmError
 if TYPE_CHECKING:
     from agent.approval import Proposal
     from agent.chat.call import ToolName
+    from agent.chat.history import Point
     from agent.events import BaseStep
     from agent.state import State
     from kb.run_result import RunResult
@@ -112,6 +113,7 @@ class Conversation:
             raise
         talk = cls(agent, folder=folder, lock=lock)
         talk.asks = asks
+        talk._stand()
         return talk
 
     def __enter__(self) -> Conversation:
@@ -322,6 +324,61 @@ class Conversation:
             return
         call = Call(tool=tool, words=words, values=values)
         yield from self._turn({**begin(words), "calls": (call,)})
+
+    # Where in the conversation, and where in the world -----------------------------------------------------------
+
+    def history(self, limit: int | None = None) -> tuple[Point, ...]:
+        """Saved steps to which one can go back, the latest first."""
+        from agent.chat.history import points
+
+        return points(self.agent.graph, self.agent.config, limit)
+
+    def fork(self, point: str) -> None:
+        """Goes back to a saved step; what is said next goes on from there, and both branches stay.
+
+        A step within a turn leaves that turn unfinished: `resume()` goes on with it, saying something else does not.
+
+        Raises:
+            BadInputError: there is no such step, or a turn is running.
+        """
+        from agent.chat.history import go_to
+
+        if not self._busy.acquire(blocking=False):
+            raise BadInputError("I am busy; stop me first", where="fork")
+        try:
+            go_to(self.agent.graph, self.agent.config, point)
+            self._stand()
+        finally:
+            self._busy.release()
+
+    def change_scene(self, scene: str, seed: int | None = None) -> Iterator[BaseStep]:
+        """Another scene; what was said and learnt stays."""
+        from agent.chat.change_scene import emptied, enter
+        from agent.chat.events import Noted
+
+        if not self._busy.acquire(blocking=False):
+            yield _refused(BadInputError("I am busy; stop me first", where="scene"))
+            return
+        context = self.agent.context
+        try:
+            wanted = context.seed if seed is None else seed
+            enter(context, scene, wanted, self.agent.perception)
+            self.agent.graph.update_state(self.agent.config, emptied(scene, wanted), as_node="next_call")
+            self._note()
+            yield Noted(text=f"I am in {self.place} now.")
+        except RagVlmError as error:
+            yield _refused(error)
+        finally:
+            self._busy.release()
+
+    def _stand(self) -> None:
+        """Brings the living world to where the state says, for those who look at it."""
+        from agent.chat.change_scene import enter
+
+        state, context = self.state, self.agent.context
+        if state.scene and (state.scene, state.seed) != (context.scene, context.seed):
+            enter(context, state.scene, state.seed, self.agent.perception)
+        context.world.at(state.world)
 
     # Stopping -----------------------------------------------------------------------------------------------------
 
