@@ -36,7 +36,7 @@ class Judge(Protocol):
     """The part of the observer that is asked."""
 
     def judge(
-        self, attempt: int, meant: str | None, placement: Any = None, other: str | None = None
+        self, attempt: int, meant: str | None, placement: Any = None, other: str | None = None, *, since: int = 0
     ) -> ObservedAttempt: ...
 
     def meant(self, category: str | None, position: Vec3, attempt: int | None = None) -> str | None: ...
@@ -109,7 +109,7 @@ def _goal(state: State, index: int, observer: Judge | None) -> GoalRecord:
     tries = tuple(a for a in state.attempts if a.turn == state.turn and a.goal == index)
     motions = [a.motion for a in tries] + ([state.motions[index]] if index in state.motions else [])
     meant = _meant(goal, observer, motions[0] if motions else None)
-    seen = [_observed(a, meant, observer) for a in tries]
+    seen = [_observed(a, meant, observer, _first_motion(state)) for a in tries]
     records = tuple(_attempt(a, o) for a, o in zip(tries, seen, strict=True))
     verdict = seen[-1].verdict if seen else None
     success = goal.claimed
@@ -138,13 +138,20 @@ def _judged(
     if index not in state.motions:
         return False, verdict
     other = _other(state, goal, observer, state.motions[index])
-    placed = observer.judge(state.motions[index], meant, _told(state, goal, goal.placement), other)
+    placed = observer.judge(
+        state.motions[index], meant, _told(state, goal, goal.placement), other, since=_first_motion(state)
+    )
     if verdict is None:
         return placed.success, placed.verdict
     damage = tuple(dict.fromkeys((*verdict.damage, *placed.verdict.damage)))
     disturbed = tuple(dict.fromkeys((*verdict.disturbed, *placed.verdict.disturbed)))
     merged = verdict.model_copy(update={"placed": placed.verdict.placed, "damage": damage, "disturbed": disturbed})
     return placed.success and not damage, merged
+
+
+def _first_motion(state: State) -> int:
+    """Number of the first motion of this turn: what an earlier turn broke does not make this one fail."""
+    return min([*(a.motion for a in state.attempts if a.turn == state.turn), *state.motions.values()], default=0)
 
 
 def _told(state: State, goal: Goal, placement: Placement) -> Placement:
@@ -175,9 +182,9 @@ def _other(state: State, goal: Goal, observer: Judge, motion: int) -> str | None
     return observer.meant(found[0].category, found[0].position, motion) if found else None
 
 
-def _observed(attempt: Attempt, meant: str | None, observer: Judge | None) -> ObservedAttempt:
+def _observed(attempt: Attempt, meant: str | None, observer: Judge | None, since: int) -> ObservedAttempt:
     if observer is not None:
-        return observer.judge(attempt.motion, meant)
+        return observer.judge(attempt.motion, meant, since=since)
     sensed = attempt.sensing
     own = Verdict(
         lifted_m=sensed.lift_height, held_s=sensed.held_s, slip_m=0.0, contact=attempt.claimed,

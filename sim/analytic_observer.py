@@ -47,9 +47,10 @@ class AnalyticObserver(Observer):
         return tuple(sorted(self._outcomes))
 
     def judge(
-        self, attempt: int, meant: str | None, placement: Any = None, other: str | None = None
+        self, attempt: int, meant: str | None, placement: Any = None, other: str | None = None, *, since: int = 0
     ) -> ObservedAttempt:
-        """As `Observer.judge`."""
+        """As `Observer.judge`; its outcomes know no damage that lasts."""
+        del since
         self._meant[attempt] = meant
         outcome = self._outcomes.get(attempt)
         if outcome is None or outcome.failure == "UNREACHABLE_POSE":

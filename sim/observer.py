@@ -75,7 +75,7 @@ class Observer:
         return {name: self.world.data.qpos[a].copy() for name, a in addresses.items() if a is not None}
 
     def judge(
-        self, attempt: int, meant: str | None, placement: Any = None, other: str | None = None
+        self, attempt: int, meant: str | None, placement: Any = None, other: str | None = None, *, since: int = 0
     ) -> ObservedAttempt:
         """What happened in one motion.
 
@@ -85,11 +85,12 @@ class Observer:
             placement: Where a placing motion was to put it: anything with `kind` ("bin", "side", "beside", "on", "back",
                 "aside", "lane") and the `side`, `relation` and `lane` that the kind needs.
             other: Scene id of the placement's reference.
+            since: First motion of the task: damage done before it is not held against this one.
         """
         self._meant[attempt] = meant
         if attempt not in self._pieces:
             return unmoved()
-        return judge(self._trial(attempt), meant, self._width_of, placement, other)
+        return judge(self._trial(attempt, since), meant, self._width_of, placement, other)
 
     def constraints(self, inferred: Iterable[tuple[ConstraintKind, str]] = ()) -> tuple[ConstraintRecord, ...]:
         """The constraints required by the task and those inferred (kind, scene id), each measured over the whole trial."""
@@ -196,13 +197,18 @@ class Observer:
             self._grips[attempt] = grips(pieces[0], self.layout, self.placed)
         return self._grips[attempt]
 
-    def _trial(self, last: int | None = None) -> Trial:
-        """All motions up to `last`, or all."""
+    def _trial(self, last: int | None = None, since: int = 0) -> Trial:
+        """All motions up to `last`, or all; damaged is what came to harm from motion `since` on."""
         numbers = [number for number in self.attempts if last is None or number <= last]
         motions = tuple(self._motion(number) for number in numbers)
         meants = tuple(self._meant.get(number) for number in numbers)
         uprights = {name: rotation_of(pose[3:])[:, 2] for name, pose in self.start.items()}
-        harmed = {d.object for g, m in zip(motions, meants, strict=True) for d in damages(g, uprights, m)}
+        harmed = {
+            damage.object
+            for number, grip, meant in zip(numbers, motions, meants, strict=True)
+            if number >= since
+            for damage in damages(grip, uprights, meant)
+        }
         return Trial(self.placed, self.layout, motions, meants, self.start, uprights, frozenset(harmed))
 
     def _width_of(self, grip: Grip) -> WidthAt:

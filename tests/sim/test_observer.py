@@ -247,6 +247,19 @@ def test_tool_grasp_conditions() -> None:
     assert side.failure != "CONSTRAINT_VIOLATION"
 
 
+def test_what_an_earlier_task_broke_is_not_held_against_this_one() -> None:
+    """Damage lasts within a task; a task that began after it is judged by itself."""
+    brittle = thing("wood_cube", "cube", 0.5, 0.05, fragility=0.9)
+    world = World(scene(brittle, thing("toy_block", "block", 0.5, -0.2)))
+    robot, observer = Robot(world), Observer(world)
+    robot.grasp(grasp(0.5, 0.05, 0.025, force=30.0), shake=False)
+    robot.release_and_home()
+    assert "cube" in observer.judge(world.attempt - 1, "cube").verdict.damage
+    robot.grasp(grasp(0.5, -0.2, 0.02))
+    assert not observer.judge(world.attempt, "block").success
+    assert observer.judge(world.attempt, "block", since=world.attempt).success
+
+
 def test_carrying_a_fragile_thing_is_no_damage() -> None:
     """The impulse rule protects neighbours: what the hand carries home is touched on purpose."""
     fragile = thing("wood_cube", "cube", 0.5, 0.05, fragility=0.9)

@@ -9,12 +9,14 @@ import pytest
 
 from kb.errors import BadInputError
 from kb.sensing import Sensing
+from sim.hand import FULL_LIFT
 from tests.planning_fixtures import context, cup, percept, solid
 from tools.context import ToolContext
 from tools.execute_grasp import ExecuteArgs, abort_force, execute_grasp
 from tools.open_world import open_perceiver, open_world
 from tools.perceive import PerceiveArgs, perceive
 from tools.plan_grasp import PlanArgs, plan_grasp
+from tools.planning.lift_height import lift_height
 
 
 class Recorder:
@@ -40,6 +42,14 @@ def test_the_robot_is_told_the_plan_and_everything_to_keep_clear_of() -> None:
     assert grasp == plan.grasp
     assert options["joints"] == plan.joints
     assert [box.centre for box in options["obstacles"]] == [item.position for item in seen.objects]
+
+
+def test_the_lift_passes_over_tall_neighbours() -> None:
+    """Beside a 20-cm glass a low grasp is lifted higher than 17 cm; alone, or beside a block, by 17 cm."""
+    glass, block = solid("n", "wine_glass", 0.5, -0.1), solid("n", "block", 0.5, -0.1)
+    low = (0.5, 0.0, 0.004)
+    assert lift_height(low, [glass]) > 0.18
+    assert lift_height(low, [block]) == lift_height(low, []) == FULL_LIFT
 
 
 @pytest.mark.parametrize(("category", "limit"), [("cube", 30.0), ("vase", 7.0), ("wine_glass", 3.5)])

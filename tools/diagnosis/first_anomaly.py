@@ -159,6 +159,8 @@ def _while_lifting(case: Case) -> Anomaly | None:
         return None
     if _askew(case):
         return Anomaly("ORIENTATION", 0.6, ("held across its length, it turned out of the fingers",))
+    if sensed.load_lifted <= LEAST_LOAD:
+        return Anomaly("SLIP", 0.8, ("the fingers closed on it, but after 2 cm nothing weighed on the hand",))
     return Anomaly("SLIP", 0.8, (f"{sensed.load_lifted:.3f} kg after 2 cm, lost {sensed.held_s:.1f} s later",))
 
 
