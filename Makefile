@@ -56,9 +56,10 @@ format: $(VENV)/.dev  ## Formats the code and applies the fixes that ruff is sur
 bench: $(VENV)/.core  ## The twelve tasks in the paper's seven configurations, 30 trials each, into runs/bench (resumes)
 	$(VENV)/bin/ragvlm bench --configs paper --trials 30 --out runs/bench --resume
 
-bench-smoke: $(VENV)/.core  ## The benchmark on a few trials, from trial to report
+bench-smoke: $(VENV)/.core  ## The benchmark on a few trials, from trial to report and results page (under three minutes)
 	rm -rf runs/bench-smoke
-	$(VENV)/bin/ragvlm bench --tasks single_cup,cup_near_vase --configs full,heuristic_scene_graph --trials 2 --seed 10000 --out runs/bench-smoke
+	$(VENV)/bin/ragvlm bench --tasks single_cup,cup_near_vase --configs full,heuristic_scene_graph --trials 2 --seed 10000 --out runs/bench-smoke --profile
+	$(VENV)/bin/python -m bench.report runs/bench-smoke --results runs/bench-smoke/docs/results.md
 
 measure: $(VENV)/.core  ## Measures anew every number of docs/measurements.md (about twenty minutes)
 	$(VENV)/bin/python -m bench.measure
