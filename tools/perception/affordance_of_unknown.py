@@ -132,9 +132,11 @@ def _type_and_region(m: Measured, parts: dict[Region, Part], transparent: bool) 
 
 def is_rounded(m: Measured) -> bool:
     """Whether a thing of no special shape is rounded all over: an egg, a bulb, a plush animal, and no brick."""
+    if m.is_round or m.hollow:
+        return False
     longer, shorter, height = (float(value) for value in m.box.size)
     fill = m.outline.hull_area / (longer * shorter)
-    return ROUNDED[0] < fill < ROUNDED[1] and longer < 2.6 * shorter and height < 2.0 * shorter and not m.hollow
+    return ROUNDED[0] < fill < ROUNDED[1] and longer < 2.6 * shorter and height < 2.0 * shorter
 
 
 def _below(value: float, limit: float) -> float:

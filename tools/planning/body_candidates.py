@@ -34,6 +34,10 @@ SIDE_BEARINGS = tuple(math.radians(a) for a in (11, -11, 23, -23, 35, -35, 50, -
 """Bearings of a side approach off the radial direction [rad]; exactly radial ones can't lift (physics.md)."""
 SIDE_DIPS = tuple(math.radians(a) for a in (0, 10, 20))
 """How far a side approach points down [rad]."""
+MOST_BACK = 0.007
+"""A thick body is gripped at most this far before its middle [m]."""
+THIN, EDGE_HOLD = 0.045, 0.014
+"""Bodies up to this thick [m] may be held by an edge, the tool point at least so far inside of it [m]."""
 TALL = 0.060
 """Objects at least this high can be taken from the side [m]."""
 LOW_TOP = 0.125
@@ -48,7 +52,8 @@ def is_round(subject: PerceivedObject) -> bool:
 def body_candidates(subject: PerceivedObject, region: Region) -> list[Candidate]:
     """All body grasps of an object, labelled with `region` (an edge grasp of a flat thing is a body grasp)."""
     found: list[Candidate] = []
-    if subject.size[2] <= LOW_TOP:
+    thin = subject.shape in ("box", "plate", "bar") and subject.size[1] <= THIN
+    if subject.size[2] <= LOW_TOP or thin:
         found += top_candidates(subject, region)
     if subject.size[2] >= TALL:
         found += side_candidates(subject, region)
@@ -208,10 +213,13 @@ def side_grips(
     else:
         faces = [(long_axis + k * math.pi / 2, width if k % 2 == 0 else subject.size[0]) for k in range(4)]
         bearings = [(a, w) for a, w in faces if abs(math.remainder(a - radial, 2 * math.pi)) < math.radians(100)]
-    # The palm must not touch the body: pads that grip behind the middle leave it room.
-    back = min(0.007, max(0.0, width / 2 + 0.006 - PALM_DEPTH))
     found: list[Candidate] = []
     for bearing, local in bearings:
+        # The palm must not touch the body: pads that grip behind the middle leave it room. Of a thin upright thing (a
+        # book) they hold the edge that faces the hand.
+        along = width if long_axis is None else (subject.size[0] if local < subject.size[0] else subject.size[1])
+        most = MOST_BACK if long_axis is None or local > THIN else along / 2 - EDGE_HOLD
+        back = min(most, max(0.0, along / 2 + 0.006 - PALM_DEPTH))
         for dip in dips:
             floor = side_floor(dip)
             if floor > subject.top_z - PAD_HALF_WIDTH:

@@ -28,6 +28,10 @@ BOWL_DRAFT = math.radians(12.0)
 """Tilt of a bowl's wall off vertical where the surface doesn't tell [rad] (physics.md: 12.4 degrees)."""
 MAX_DRAFT = math.radians(25.0)
 """Steeper tilts bring the palm down on the opposite rim [rad]."""
+FLOOR_MARGIN = 0.003
+"""Room between the inner fingertip and the floor of a shallow vessel, a plate's for instance [m]."""
+SHALLOWEST = 0.004
+"""The tool point is at least this far below the edge [m], however shallow the vessel is."""
 GRIP_BELOW_RIM = 0.012
 """How far the tool point is below the rim's edge [m]: pads covered, palm 26 mm above."""
 HANDLE_SECTOR = math.radians(32.0)
@@ -55,6 +59,7 @@ def rim_candidates(subject: PerceivedObject, rim: Part, region: Region) -> list[
     room = 2.0 * (2.0 * radius - rim.width / 2 - FINGER_THICKNESS - OPENING_MARGIN)
     support = subject.base_z if subject.base_z > 0.012 else 0.0
     below = min(GRIP_BELOW_RIM, rim.centre[2] - support - TABLE_MARGIN - TIP_REACH - 0.005)
+    below = min(below, max(SHALLOWEST, rim.length - TIP_REACH - FLOOR_MARGIN))
     if room <= rim.width + 0.012 or below < 0.002:
         return []
     tilts = sorted({draft, 0.0, BOWL_DRAFT, math.radians(25.0)} if subject.shape == "bowl" else {draft, 0.0})
