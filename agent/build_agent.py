@@ -15,6 +15,7 @@ from kb.vocabulary import EvaluatorName, FailureType, PerceptionName
 if TYPE_CHECKING:
     from agent.brain import Brain
     from agent.safety.limits import BrainLimits
+    from kb.embedder import Embedder
     from kb.percept import PerceivedObject
     from memory import EpisodicMemory
     from tools.open_world import OpenedWorld
@@ -36,6 +37,8 @@ def build_agent(
     dry_run: bool = False,
     noise: float = 1.0,
     store: Any = None,
+    embedder: str | Embedder = "shape_colour",
+    learn: bool = False,
     memory: EpisodicMemory | None = None,
     opened: OpenedWorld | None = None,
     perceiver: Any = None,
@@ -59,7 +62,9 @@ def build_agent(
         approve: asked before every motion.
         dry_run: understand, look and plan; move nothing.
         noise: scale of the uncertainties of the world.
-        store: path of a knowledge base, or an opened one (default: the shipped one).
+        store: path of a knowledge base (file, or folder of a learning one), or an opened one (default: the shipped one).
+        embedder: "shape_colour", "efficientnet", "clip:TAG" or "clip:FILE", or an opened one.
+        learn: score experiences by the posterior of their outcomes; entering outcomes is up to the caller.
         memory: episodic memory from earlier sessions (scope "session").
         opened: a world that is open already, at its start (shared by the configurations of a trial).
         perceiver: replaces the perceiver (shared caches, tests).
@@ -78,7 +83,7 @@ def build_agent(
     from agent.graph import compile_graph
     from agent.safety.limits import BrainLimits
     from agent.world_handle import WatchedRobot, WorldHandle
-    from kb.shape_colour import ShapeColourEmbedder
+    from kb.open_embedder import open_embedder
     from tools.context import ToolContext
     from tools.open_world import open_perceiver, open_world
 
@@ -98,13 +103,13 @@ def build_agent(
         else brain
     )
     _refuse_nameless(seeing, thinker)
-    embedder = ShapeColourEmbedder()
+    seer = open_embedder(embedder) if isinstance(embedder, str) else embedder
     tools = ToolContext(
         robot=WatchedRobot(opened.robot),
-        store=_store(store),
-        perceiver=perceiver or open_perceiver(seeing, opened, embedder),
-        embedder=embedder,
-        switches=chosen.switches,
+        store=_store(store, seer),
+        perceiver=perceiver or open_perceiver(seeing, opened, seer),
+        embedder=seer,
+        switches=chosen.switches.model_copy(update={"learn": True}) if learn else chosen.switches,
         stop=opened.stop,
     )
     context = AgentContext(
@@ -147,12 +152,18 @@ def _same_world(kept: dict[str, Any], scene: str | None, seed: int | None, threa
     return known_scene, known_seed
 
 
-def _store(store: Any) -> Any:
-    if store is None or isinstance(store, str | Path):
-        from kb.store import ExperienceStore
+def _store(store: Any, embedder: Embedder) -> Any:
+    """The opened knowledge base, with the vectors of the session's embedder.
 
-        return ExperienceStore.open(store)
-    return store
+    Raises:
+        EnvironmentFaultError: it cannot be read, or was embedded otherwise and has no reference views.
+    """
+    if store is not None and not isinstance(store, str | Path):
+        return store
+    from kb.embed_store import embedded_store
+    from kb.learned import open_any
+
+    return embedded_store(open_any(None if store is None else Path(store)), embedder)
 
 
 def _oracle(opened: OpenedWorld) -> Callable[[int, PerceivedObject], FailureType | None]:

@@ -91,14 +91,14 @@ def query_store(path: Path | None, category: str, described: dict[str, Any], k: 
     from app.console import make_console
     from app.table import print_table
     from kb.affordance import AffordanceDescriptor
+    from kb.learned import open_any
     from kb.priors import prior
-    from kb.store import ExperienceStore
     from tools.context import ToolContext
     from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
 
-    _check_descriptor(described)
+    check_descriptor(described)
     affordance = AffordanceDescriptor.model_validate({**prior(category).affordance.model_dump(), **described})
-    context = ToolContext(store=ExperienceStore.open(path))
+    context = ToolContext(store=open_any(path))
     found = retrieve_haarag(RetrieveArgs(category=category, affordance=affordance, k=k), context)
     if json_output:
         rows = [
@@ -135,7 +135,7 @@ def query_store(path: Path | None, category: str, described: dict[str, Any], k: 
         )
 
 
-def _check_descriptor(described: dict[str, Any]) -> None:
+def check_descriptor(described: dict[str, Any]) -> None:
     """The words of the descriptor must be of the closed vocabularies."""
     from kb.vocabulary import AffordanceType, Material, Region
 

@@ -1,4 +1,4 @@
-"""The report of the learning study: growth curve, difference to the shipped knowledge base, and how honest promotions were."""
+"""The report of the learning study: growth curve, difference to the shipped knowledge base, honesty of promotions."""
 
 from __future__ import annotations
 
@@ -116,19 +116,17 @@ def _text(summary: dict[str, Any]) -> str:
             f"- {name}: {arm['successes']}/{arm['n']} = {share:.1f} % [{100 * band.low:.1f}, {100 * band.high:.1f}]"
         )
     lines.append(f"- difference: {100 * gap['value']:+.1f} points [{100 * gap['low']:+.1f}, {100 * gap['high']:+.1f}]")
+    lines.append(f"- claims: {summary['claims']}, false {summary['false_claims']} (injected {asked['false_claims']:g})")
+    wrong = summary["wrong_promotions"]
     lines.append(
-        f"- claims: {summary['claims']}, of which false {summary['false_claims']} (injected share of failures {asked['false_claims']:g})"
-    )
-    lines.append(
-        f"- promotions: {len(summary['promotions'])}, wrong (executed afterwards, under half succeed): {summary['wrong_promotions']}; refused {summary['refused']}"
+        f"- promotions: {len(summary['promotions'])}, wrong (executed afterwards, under half succeed): {wrong}; refused {summary['refused']}"
     )
     counted = sum(row["counted"] for row in summary["promotions"])
     lines.append(f"- lifts behind promotions: {counted}, false {sum(row['false'] for row in summary['promotions'])}")
     lines += ["", "| trials | success | attempts | entries | success, shipped |", "|---:|---:|---:|---:|---:|"]
     for mine, other in zip(summary["learner"]["growth"], summary["shipped"]["growth"], strict=False):
-        lines.append(
-            f"| {mine['trials']} | {100 * mine['success']:.0f} % | {mine['attempts']:.2f} | {mine['entries']} | {100 * other['success']:.0f} % |"
-        )
+        words = (f"{mine['trials']}", f"{100 * mine['success']:.0f} %", f"{mine['attempts']:.2f}", f"{mine['entries']}")
+        lines.append(f"| {' | '.join(words)} | {100 * other['success']:.0f} % |")
     return "\n".join(lines) + "\n"
 
 

@@ -65,11 +65,11 @@ class Suite:
             three.append(
                 float(np.mean([_fits(item.experience, affordance) for item in found.top])) if found.top else 0.0
             )
-        return float(np.mean(first)), float(np.mean(three))
+        return (float(np.mean(first)), float(np.mean(three))) if first else (0.0, 0.0)
 
 
 def make_suite(base: ExperienceStore) -> Suite:
-    """One query per known category from its prior, and one per experience of `base` from its own descriptor and picture."""
+    """One query per known category from its prior, and one per experience of `base` from its own descriptor."""
     words = [(name, prior(name).affordance, ()) for name in CATEGORIES if name not in ("bin", "box")]
     seen = [(entry.category, entry.affordance, entry.embedding) for entry in base.all()]
     return Suite((*words, *seen))

@@ -11,7 +11,11 @@ app = typer.Typer(help="The knowledge base of measured grasps: list, query with 
 
 Store = Annotated[
     Optional[Path],  # noqa: UP045
-    typer.Option("--store", metavar="FILE", help="A knowledge base file (default: the one shipped)."),
+    typer.Option(
+        "--store",
+        metavar="FILE",
+        help="A knowledge base: file, or folder of a learning one (default: the shipped one).",
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
@@ -31,9 +35,9 @@ def show(
 ) -> None:
     """List the experiences, or show one."""
     from app.knowledge import show_all, show_one
-    from kb.store import ExperienceStore
+    from kb.learned import open_any
 
-    opened = ExperienceStore.open(store)
+    opened = open_any(store)
     if entry is not None:
         show_one(opened, entry, json_output=json_output)
     else:
@@ -126,3 +130,72 @@ def evaluate(
     evaluate_retrieval(
         store, embedders=embedder, splits=splits, quick=quick, json_file=json_file, out=out, executed=executed
     )
+
+
+Folder = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--kb", metavar="DIR", help="A learning knowledge base (default: the user's own)."),
+]
+
+
+@app.command("log")
+def log(
+    kb: Folder = None,
+    everything: Annotated[bool, typer.Option("--all", help="Lessons, too.")] = False,
+    json_output: AsJson = False,
+) -> None:
+    """List the versions of a learning knowledge base: what was promoted, refused, added, rolled back."""
+    from app.learning import default_folder, print_log
+
+    print_log(kb or default_folder(), everything=everything, json_output=json_output)
+
+
+@app.command("diff")
+def diff(
+    old: Annotated[int, typer.Argument(metavar="OLD", help="Version.")],
+    new: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Argument(metavar="[NEW]", help="Version (default: the newest)."),
+    ] = None,
+    kb: Folder = None,
+) -> None:
+    """Show what changed between two versions."""
+    from app.learning import default_folder, print_diff
+
+    print_diff(kb or default_folder(), old, new)
+
+
+@app.command("rollback")
+def rollback(version: Annotated[int, typer.Argument(metavar="VERSION", help="Version.")], kb: Folder = None) -> None:
+    """Go back to a version; as a new version, so that this can be undone, too."""
+    from app.learning import default_folder, roll_back
+
+    roll_back(kb or default_folder(), version)
+
+
+@app.command("add")
+def add(
+    name: Annotated[str, typer.Argument(metavar="NAME", help='What it is called, for example "knob".')],
+    scene: Annotated[str, typer.Option("--scene", metavar="NAME|FILE", help="A scene with the object in it.")],
+    thing: Annotated[str, typer.Option("--object", metavar="ID", help="Its id in the scene.")],
+    affordance: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--affordance", metavar="TYPE", help="If you know it better than perception."),
+    ] = None,
+    material: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--material", metavar="NAME", help="Likewise."),
+    ] = None,
+    fragility: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--fragility", metavar="0..1", help="Likewise."),
+    ] = None,
+    trials: Annotated[int, typer.Option("--trials", min=10, max=200, metavar="N", help="Physical trials.")] = 10,
+    kb: Folder = None,
+) -> None:
+    """Teach it an object: grasp it in physics and keep how that went."""
+    from app.learning import add_object, default_folder
+
+    described = {"type": affordance, "material": material, "fragility": fragility}
+    given = {key: value for key, value in described.items() if value is not None}
+    add_object(kb or default_folder(), name, scene, thing, given, trials)

@@ -200,8 +200,8 @@ def html(study: Study) -> str:
     ]
     sweeps = [
         (tau_chart(study.tau_sweep), "The threshold of level 2; the paper's is 0.3."),
-        (weight_chart(study.weight_sweep, "r_func_p_at_1", "R-func P@1"), "Fusion weights; the dot is the paper's choice."),
-        (weight_chart(study.weight_sweep, "p_at_1", "R-aff P@1"), "Fusion weights; the dot is the paper's choice."),
+        (weight_chart(study.weight_sweep, "r_func_p_at_1", "R-func P@1"), "Fusion weights; the dot is the paper's."),
+        (weight_chart(study.weight_sweep, "p_at_1", "R-aff P@1"), "Fusion weights; the dot is the paper's."),
     ]  # fmt: skip
     sections.append(Section("sweeps", "Threshold and weights", "Nothing was tuned on these queries.", sweeps, ()))
     facts = {escape(name): value for name, value in _facts(study).items()}

@@ -1,0 +1,153 @@
+"""`ragvlm kb log|diff|rollback|add`, and learning after a run: the command line's side of a learning knowledge base."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kb.errors import BadInputError
+
+if TYPE_CHECKING:
+    from agent.build_agent import Agent
+    from kb.journal import Change
+    from kb.learned import LearnedBase
+    from tools.learn_experience import Suite
+
+
+def default_folder() -> Path:
+    """Folder of the learning knowledge base: `$RAGVLM_HOME/knowledge`, or in the user's data folder."""
+    home = os.environ.get("RAGVLM_HOME")
+    if home:
+        return Path(home) / "knowledge"
+    base = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
+    return Path(base) / "ragvlm" / "knowledge"
+
+
+def print_log(folder: Path, *, everything: bool, json_output: bool) -> None:
+    """The changes, newest last; lessons only if asked for."""
+    from kb.learned import LearnedBase
+
+    base = LearnedBase.open(folder)
+    shown = [change for change in base.journal.changes if everything or change.kind != "lesson"]
+    if json_output:
+        print(json.dumps([_row(change) for change in shown], indent=2))
+        return
+    for change in shown:
+        print(f"{change.version:>6}  {change.kind:<12}{change.says}")
+    lessons = sum(change.kind == "lesson" for change in base.journal.changes)
+    waiting = sum(len(kept) for kept in base.state.quarantine.values())
+    print(f"version {base.version}: {len(base.state.entries)} entries, {lessons} lessons, {waiting} in quarantine")
+
+
+def _row(change: Change) -> dict[str, Any]:
+    row = change.model_dump(mode="json", exclude_defaults=True)
+    for part in ("lesson", "entry"):
+        if "embedding" in row.get(part, {}):
+            row[part]["embedding"] = f"{len(row[part]['embedding'])} numbers"
+    return row | {"version": change.version}
+
+
+def print_diff(folder: Path, old: int, new: int | None) -> None:
+    """What changed between two versions.
+
+    Raises:
+        BadInputError: there is no such version.
+    """
+    from kb.learned import LearnedBase, differences
+
+    base = LearnedBase.open(folder)
+    for line in differences(base.at(old), base.at(base.version if new is None else new)):
+        print(line)
+
+
+def roll_back(folder: Path, version: int) -> None:
+    """Goes back to a version.
+
+    Raises:
+        BadInputError: there is no such version.
+    """
+    from kb.learned import LearnedBase
+
+    base = LearnedBase.open(folder)
+    change = base.rollback(version)
+    print(f"version {change.version}: {change.says}; {len(base.state.entries)} entries")
+
+
+def add_object(folder: Path, name: str, scene: str, thing: str, described: dict[str, Any], trials: int) -> None:
+    """Teaches the knowledge base of a folder an object of a scene, by trials in physics.
+
+    Raises:
+        BadInputError: the name is taken by known things, or the scene, object or descriptor is wrong.
+    """
+    from app.console import make_console
+    from app.knowledge import check_descriptor
+    from kb.journal import Change
+    from kb.learned import LearnedBase
+    from kb.shape_colour import ShapeColourEmbedder
+    from tools.context import ToolContext
+    from tools.learn_experience import make_suite
+    from tools.teach_object import TeachArgs, teach_object
+
+    check_descriptor(described)
+    if not name.replace("_", "").isalnum():
+        raise BadInputError(f'"{name}" is no name', where="NAME", choices=("letters, digits and underscores",))
+    base = LearnedBase.begin(folder)
+    store = base.store()
+    console = make_console(stderr=True)
+    entries = teach_object(
+        TeachArgs(name=name, scene=scene, object=thing, affordance=described, trials=trials),
+        ToolContext(store=store, embedder=ShapeColourEmbedder()),
+        lambda done, total, what: console.print(f"{done}/{total} {what}", markup=False),
+    )
+    for entry in entries:
+        with base.journal.writing():
+            taken = base.state.entries
+            number = sum(key == entry.id or key.startswith(f"{entry.id}-") for key in taken)
+            kept = entry if number == 0 else entry.model_copy(update={"id": f"{entry.id}-{number + 1}"})
+            _refuse_harm(base, kept, make_suite(store))
+            says = f"{kept.id} by {kept.n_trials} trials, {kept.n_success} succeeded"
+            change = base.journal.append(Change(version=0, kind="added", says=says, entry=kept))
+        print(f"version {change.version}: {change.says}")
+
+
+def _refuse_harm(base: LearnedBase, entry: Any, suite: Suite) -> None:
+    """Raises `BadInputError` if retrieval gets worse by an entry."""
+    from kb.store import ExperienceStore
+
+    entries = list(base.state.entries.values())
+    old = suite.score(ExperienceStore(base.header, entries))
+    new = suite.score(ExperienceStore(base.header, [*entries, entry]))
+    if min(b - a for a, b in zip(old, new, strict=True)) < -1e-9:
+        raise BadInputError(
+            f"{entry.id} would lower retrieval of what is known from {old[0]:.3f} to {new[0]:.3f}; nothing was added",
+            where="NAME",
+        )
+
+
+def learn_from(agent: Agent, base: LearnedBase, suite: Suite, needed: int = 3) -> list[str]:
+    """Enters the attempts of the turn that has just ended; returns what is to be said about it.
+
+    A claimed success is confirmed by setting down and lifting again; afterwards the world is as the turn had left it.
+    """
+    from agent.lessons import confirm, lessons_of
+    from tools.learn_experience import LearnRules, learn_experience
+
+    state = agent.state
+    attempts = [a for a in state.attempts if a.turn == state.attempts[-1].turn] if state.attempts else []
+    if not attempts or attempts[-1].turn != state.turn:
+        return []
+    said: list[str] = []
+    confirmed = False
+    if attempts[-1].claimed and state.held is not None:
+        moment = agent.opened.snapshot()
+        word = confirm(attempts[-1], agent.context.tools)
+        agent.opened.restore(moment)
+        confirmed = word.confirmed
+        said.append(f"learning: set down and lifted again: {word.says}")
+    store = base.header.embedder
+    lessons = lessons_of(attempts, confirmed, store, agent.context.seed)
+    for change in learn_experience(lessons, base, suite, LearnRules(needed=needed)):
+        said.append(f"learning: version {change.version}, {change.kind}: {change.says}")
+    return said
