@@ -292,6 +292,13 @@ class Conversation:
             changes: force [N], aperture [m], yaw [rad], speed, type, approach ("top", "tilted", "side"), region,
                 candidate (a name, or "other").
         """
+        from agent.chat.whatif import check_changes
+
+        try:
+            check_changes(changes)
+        except RagVlmError as error:
+            yield _refused(error)
+            return
         said = " ".join(f"{name}={value}" for name, value in changes.items())
         values = changes if attempt is None else {**changes, "attempt": attempt}
         yield from self._use("whatif", f"what if {said}", values)
@@ -404,6 +411,7 @@ class Conversation:
             yield from self.agent.steps(entry)
             waiting = self.pending
             if waiting is not None:
+                self._note()
                 yield Asked(
                     text="May I do this?",
                     goal=waiting.goal,

@@ -51,6 +51,9 @@ AGAIN = re.compile(
     r"|(?:do|try|repeat)(?: it| that)? (?:again|once more)|again|once more|one more time|another time|retry|repeat|same again|try|(?:the )?same)"
     r"(?: please| now| then| but| and| only| just| this time| ,| a)*$"
 )
+GO_ON = re.compile(
+    r"^(?:ok |okay |now |please |and )*(?:go on|continue|carry on|keep going|proceed|finish it|go ahead)(?: with (?:it|that))?(?: please| now| then)*$"
+)
 SAME_WITH = re.compile(
     r"^(?:and |now |then |please |ok )*(?:do |try |repeat )?(?:the )?same(?: thing)? (?:with|for|to|on) (?P<what>.+)$"
 )
@@ -143,7 +146,10 @@ def _numbers(rest: str) -> dict[str, Any]:
 
 
 def _again(line: str, state: State) -> tuple[Call, ...]:
-    """What was done last, once more: "do that again but gentler", "no, by the handle"."""
+    """What was done last, once more: "do that again but gentler", "no, by the handle"; or the rest of it: "go on"."""
+    if GO_ON.match(line) and state.deed:
+        rest_of_it = tuple(_anew(goal) for goal in state.deed)
+        return (Call(tool="task", words=line, goals=rest_of_it, demands=state.demands),)
     demand = only_demand(line)
     rest = line
     if demand is None:
@@ -198,6 +204,14 @@ def repeated(state: State) -> tuple[Goal, ...]:
     if thing is None or not again or any(g.placement is not None and g.placement.kind == "back" for g in goals):
         return goals
     return (back, *goals)
+
+
+def _anew(goal: Goal) -> Goal:
+    """The goal as asked; what it was about is looked for again, so that what was done already is not done twice."""
+    fresh = _fresh(goal)
+    if goal.kind in ("clear", "sort") and fresh.reference is not None:
+        return fresh.model_copy(update={"reference": fresh.reference.model_copy(update={"ids": ()})})
+    return fresh
 
 
 def _fresh(goal: Goal) -> Goal:

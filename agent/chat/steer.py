@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import re
+
 from langchain_core.messages import HumanMessage
 
-from agent.agenda import changed, finish
+from agent.agenda import changed, finish, fresh
 from agent.chat.events import Heeded, Noted
 from agent.chat.hear import hear, merged_demands, relative, thing_instead
 from agent.chat.read_demand import only_demand, plain
 from agent.context import AgentContext
-from agent.goal import Goal
+from agent.goal import Goal, Reference
 from agent.ground import destination, scope_of
 from agent.language.read_command import understand
+from agent.language.read_reference import is_reference, read_reference
+from agent.language.resolve import resolve
 from agent.state import State, Update, merged
 from kb.errors import BadInputError
 
+SPARE = re.compile(
+    r"^(?:no ,? ?|but |and |please |wait ,? ?)*(?:not|leave|keep|skip|spare|except|without|but not|do not (?:take|touch|move|clear|sort))"
+    r" (?P<what>.+?)(?: alone| there| where (?:it|they) (?:is|are)| as (?:it|they) (?:is|are)| please| out)*$"
+)
 STOPPED = "I am stopped. Nothing moves until you release me (/release)."
 
 
@@ -22,7 +30,12 @@ def steered(state: State, words: str, *, context: AgentContext) -> Update:
     """What the person's words change in the work at hand; what is something else is done afterwards."""
     said = Update(messages=[HumanMessage(words, id=f"steer-{state.turn}-{len(state.messages)}")])
     try:
-        update = _manner(state, words, context) or _thing(state, words, context) or _place(state, words, context)
+        update = (
+            _manner(state, words, context)
+            or _spare(state, words, context)
+            or _thing(state, words, context)
+            or _place(state, words, context)
+        )
     except BadInputError as error:
         context.emit(Noted(text=f"{error}. I go on as I was.", goal=state.current))
         return said
@@ -56,6 +69,32 @@ def _thing(state: State, words: str, context: AgentContext) -> Update | None:
     other = Goal(kind=goal.kind, reference=reference, placement=goal.placement)
     context.emit(Heeded(text=f"You mean {reference.words}.", goal=state.current, words=words, demand={}))
     return merged(Update(goals=changed(state, other), plan=None, experiences=None, correction=None))
+
+
+def _spare(state: State, words: str, context: AgentContext) -> Update | None:
+    """For "not the apple" while a table is cleared or sorted: that thing stays where it is."""
+    index = next((i for i in state.agenda if state.goals[i].kind in ("clear", "sort")), None)
+    found = SPARE.match(plain(words).strip(" ,.;"))
+    if index is None or found is None or state.percept is None:
+        return None
+    whole = state.goals[index]
+    reading = read_reference(found["what"].split())
+    if whole.reference is None or reading.unknown or not is_reference(reading):
+        return None
+    spared = set(resolve(Reference(**{**reading.found, "plural": True}), scope_of(state)).ids)
+    left = tuple(name for name in whole.reference.ids if name not in spared)
+    if not left or left == whole.reference.ids:
+        raise BadInputError(f"I see nothing of that kind to leave alone: {found['what']}", where="steering")
+    goals = list(state.goals)
+    goals[index] = whole.model_copy(update={"reference": whole.reference.model_copy(update={"ids": left})})
+    update = Update(goals=tuple(goals))
+    current = state.goal
+    if current.target in spared and state.held is None and current.parent == index:
+        # It is in work but not in the hand yet: dropped, and not counted among what was to be done.
+        goals[state.agenda[-1]] = Goal(kind="answer", status="done", claimed=True, note="left alone as you said")
+        update = merged(Update(goals=tuple(goals), agenda=state.agenda[:-1], plan=None), fresh())
+    context.emit(Heeded(text=f"I leave {found['what']} alone.", goal=state.current, words=words, demand={}))
+    return update
 
 
 def _place(state: State, words: str, context: AgentContext) -> Update | None:

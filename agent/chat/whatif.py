@@ -71,7 +71,12 @@ def whatif(attempt: Attempt, changes: dict[str, Any], context: AgentContext, fol
     )  # fmt: skip
 
 
-def _demand(attempt: Attempt, changes: dict[str, Any]) -> Demand:
+def check_changes(changes: dict[str, Any]) -> None:
+    """Refuses what cannot be changed.
+
+    Raises:
+        BadInputError: an unknown field or value, or none at all.
+    """
     unknown = [name for name in changes if name not in CHANGES]
     if unknown or not changes:
         what = f'"{unknown[0]}" cannot be changed' if unknown else "it needs a change"
@@ -79,16 +84,25 @@ def _demand(attempt: Attempt, changes: dict[str, Any]) -> Demand:
     for name, choices in CHOICES.items():
         if name in changes and changes[name] not in choices:
             raise BadInputError(f'"{changes[name]}" is no {name}', where="whatif", choices=choices)
+    given = {name: value for name, value in changes.items() if name != "candidate"}
+    try:
+        Demand(words="what if", **given)
+    except ValidationError as error:
+        first = error.errors()[0]
+        limits = {"force": "1 to 70 N", "aperture": "0 to 80 mm", "speed": "0.1 to 1"}
+        name = str(first["loc"][0])
+        choices = (limits[name],) if name in limits else ()
+        raise BadInputError(f"{name} {given.get(name)} is not possible", where="whatif", choices=choices) from error
+
+
+def _demand(attempt: Attempt, changes: dict[str, Any]) -> Demand:
+    check_changes(changes)
     given = dict(changes)
     if given.get("candidate") == "other":
         if not attempt.plan.alternatives:
             raise BadInputError("there was no other feasible candidate", where="whatif")
         given["candidate"] = attempt.plan.alternatives[0][2]
-    try:
-        return Demand(words=" ".join(f"{name}={value}" for name, value in given.items()), **given)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise BadInputError(str(first["msg"]), where=f"whatif: {first['loc'][0]}") from error
+    return Demand(words=" ".join(f"{name}={value}" for name, value in given.items()), **given)
 
 
 def _words(plan: Plan, demand: Demand) -> str:

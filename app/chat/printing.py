@@ -1,0 +1,66 @@
+"""Prints the events of a conversation, each once and inert: nothing that was typed or read can steer the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from agent.chat.heard import inert
+from app.steps import WIDTH, StepPrinter
+from app.verdict_block import print_verdict
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+LABELS: dict[str, tuple[str, str]] = {
+    "asked": ("Approve?", "bold yellow"),
+    "heeded": ("Heard", "bold yellow"),
+    "explained": ("Why", "bold"),
+    "compared": ("Compare", "bold"),
+    "whatif": ("What if", "bold"),
+    "stopped": ("Stopped", "bold red"),
+    "noted": ("Note", "yellow"),
+    "refused": ("Error", "bold red"),
+}
+"""Kind of event -> what stands in front of it, and how."""
+HOW_TO_ANSWER = "yes, no, how else (by the handle, gentler, with 5 N), why, or /edit force=5"
+
+
+class ChatPrinter:
+    """Prints events as they come."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._steps = StepPrinter(console)
+
+    def show(self, event: Any) -> None:
+        """Prints one event of `agent.events` or `agent.chat.events`."""
+        if event.kind == "finished":
+            if any(goal.attempts for goal in event.result.goals):
+                print_verdict(self._console, event.result)
+        elif event.kind in LABELS:
+            self._labelled(event)
+        elif event.kind == "understood" and not event.goals:
+            return  # the answer or question that follows says it
+        elif event.kind != "said":
+            self._steps.show(event.model_copy(update={"text": inert(event.text)}))
+
+    def say(self, text: str, style: str = "") -> None:
+        """Prints a line of the face itself."""
+        from rich.text import Text
+
+        self._console.print(Text(inert(text), style=style))
+
+    def _labelled(self, event: Any) -> None:
+        from rich.text import Text
+
+        label, style = LABELS[event.kind]
+        first, *rest = inert(event.text).splitlines() or [""]
+        if event.kind == "asked":
+            rest = [HOW_TO_ANSWER]
+        if event.kind == "whatif" and event.pictures is not None:
+            rest = [*rest, f"both endings side by side: {event.pictures}"]
+        line = Text(f"{label:<{WIDTH}}", style=style)
+        line.append(first, style="default")
+        self._console.print(line)
+        for extra in rest:
+            self._console.print(Text(" " * WIDTH + extra, style="dim" if event.kind == "asked" else ""))

@@ -1,0 +1,218 @@
+"""The conversation on a terminal: the prompt stays usable while the robot works, so that it can be steered and stopped."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.chat.slash import NAMES, command_of
+from app.chat.talk import Talk
+from app.exit_codes import ACHIEVED, INTERRUPTED
+from kb.errors import BadInputError
+
+if TYPE_CHECKING:
+    from prompt_toolkit import PromptSession
+
+PROMPT = "you> "
+LONGEST_PASTE = 20_000
+"""A longer paste is not taken over into the line [characters]; an instruction has at most 10,000."""
+LONGEST_REMEMBERED = 2_000
+"""Longer lines do not go into the history file."""
+WHILE_BUSY = ("/stop", "/release", "/quit")
+"""Commands that are heard while the robot works."""
+
+
+class Terminal:
+    """Reads lines in the main thread while turns run in another."""
+
+    def __init__(self, talk: Talk) -> None:
+        self._talk = talk
+        self._worker: threading.Thread | None = None
+        self._leaving = False
+        self._code = ACHIEVED
+        self._failure: BaseException | None = None
+        self._prompt: PromptSession[str] = _prompt_session(self._refuse_paste)
+
+    def run(self) -> int:
+        """Talks until the person leaves; returns the exit code."""
+        from prompt_toolkit.patch_stdout import patch_stdout
+
+        former = signal.signal(signal.SIGTERM, self._on_terminate)
+        presses = 0
+        try:
+            with patch_stdout(raw=True):
+                while not self._leaving:
+                    try:
+                        line = self._prompt.prompt(self._label)
+                        presses = 0
+                    except EOFError:
+                        break
+                    except KeyboardInterrupt:
+                        presses += 1
+                        if not self._interrupted(presses):
+                            self._code = INTERRUPTED
+                            break
+                        continue
+                    self._take(line)
+                self._end()
+        finally:
+            signal.signal(signal.SIGTERM, former)
+        if self._failure is not None:
+            raise self._failure
+        return self._code
+
+    @property
+    def busy(self) -> bool:
+        """Whether a turn is running."""
+        return self._worker is not None and self._worker.is_alive()
+
+    def _label(self) -> str:
+        """The prompt says what the robot is at."""
+        if self._talk.conversation.stopped:
+            return "stopped> "
+        if self.busy:
+            return "working> "
+        return "approve> " if self._talk.asked and self._talk.conversation.pending is not None else PROMPT
+
+    def _take(self, line: str) -> None:
+        """One line: a turn of its own, or a word to the robot at work."""
+        text = line.strip()
+        if not text:
+            return
+        if not self.busy:
+            self._worker = threading.Thread(target=self._hear, args=(line,), name="ragvlm-turn", daemon=True)
+            self._worker.start()
+            # Most answers come at once; the prompt is drawn again after them rather than before.
+            self._worker.join(0.15)
+            return
+        say = self._talk.printer.say
+        if not text.startswith("/"):
+            self._talk.conversation.steer(text)
+            if not self._talk.conversation.stopped:
+                say("(heard; I come to it before the next motion, or after this)", "dim")
+            return
+        try:
+            name, _ = command_of(text)
+            if name not in WHILE_BUSY:
+                raise BadInputError(f"{name} has to wait until I am done", choices=WHILE_BUSY)
+            if name == "/quit":
+                self._leaving = True
+            else:
+                (self._talk.conversation.stop if name == "/stop" else self._talk.conversation.release)()
+                say("stopped: nothing moves until /release" if name == "/stop" else "released", "bold red")
+        except BadInputError as error:
+            say(f"error: {error}")
+
+    def _hear(self, line: str) -> None:
+        """Runs in the thread of the turn."""
+        try:
+            if not self._talk.hear(line):
+                self._leaving = True
+        except BaseException as error:
+            self._failure, self._leaving = error, True
+        self._wake()
+
+    def _wake(self) -> None:
+        """Draws the prompt anew, or ends it when the person leaves."""
+        app = self._prompt.app
+        loop = app.loop
+        if loop is None or not app.is_running:
+            return
+        if self._leaving:
+            loop.call_soon_threadsafe(_leave, app)
+        else:
+            app.invalidate()
+
+    def _interrupted(self, presses: int) -> bool:
+        """Ctrl-C: stops the robot first, leaves the chat second; False to leave."""
+        if self.busy and not self._talk.conversation.stopped:
+            self._talk.conversation.stop()
+            self._talk.printer.say("stopped: I hold still until /release; Ctrl-C again leaves", "bold red")
+            return True
+        if presses >= 2 or self.busy:
+            return False
+        self._talk.printer.say("Ctrl-C again or /quit leaves")
+        return True
+
+    def _on_terminate(self, _number: int, _frame: Any) -> None:
+        """SIGTERM: the robot stops at once, then the chat ends; what was done is saved."""
+        self._talk.conversation.stop()
+        self._code, self._leaving = INTERRUPTED, True
+        self._wake()
+
+    def _end(self) -> None:
+        """Leaves nothing moving."""
+        if self.busy:
+            self._talk.conversation.stop()
+            assert self._worker is not None
+            self._worker.join(10.0)
+
+    def _refuse_paste(self, characters: int) -> None:
+        self._talk.printer.say(f"error: {characters} characters were pasted; an instruction has at most 10,000")
+
+
+def _leave(app: Any) -> None:
+    if app.is_running:
+        app.exit(exception=EOFError())
+
+
+def _prompt_session(refuse_paste: Any) -> PromptSession[str]:
+    from prompt_toolkit import PromptSession
+    from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
+    from prompt_toolkit.completion import NestedCompleter
+    from prompt_toolkit.key_binding import KeyBindings
+    from prompt_toolkit.keys import Keys
+
+    from app.completion import scenes
+
+    keys = KeyBindings()
+
+    @keys.add(Keys.BracketedPaste, eager=True)
+    def _(event: Any) -> None:
+        if len(event.data) > LONGEST_PASTE:
+            refuse_paste(len(event.data))
+            return
+        from agent.chat.heard import heard
+
+        event.current_buffer.insert_text(heard(event.data))
+
+    choices: dict[str, Any] = dict.fromkeys(NAMES)
+    choices["/scene"] = dict.fromkeys(scenes(""))
+    choices["/approve"] = dict.fromkeys(("on", "off"))
+    choices["/whatif"] = dict.fromkeys(
+        ("force=", "type=", "yaw=", "approach=", "aperture=", "region=", "candidate=other")
+    )
+    choices["/sessions"] = dict.fromkeys(("delete", "export", "import"))
+    return PromptSession(
+        history=_history(),
+        auto_suggest=AutoSuggestFromHistory(),
+        completer=NestedCompleter.from_nested_dict(choices),
+        complete_while_typing=False,
+        key_bindings=keys,
+    )
+
+
+def _history() -> Any:
+    """The history file in the state folder; in memory where that cannot be written."""
+    from prompt_toolkit.history import FileHistory, InMemoryHistory
+
+    class Lines(FileHistory):
+        """Short lines only: a pasted novel is no command."""
+
+        def store_string(self, string: str) -> None:
+            if len(string) <= LONGEST_REMEMBERED:
+                try:
+                    super().store_string(string)
+                except OSError:  # a full disk must not end the conversation
+                    return
+
+    folder = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "ragvlm"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "chat_history").touch()
+    except OSError:
+        return InMemoryHistory()
+    return Lines(str(folder / "chat_history"))
