@@ -185,9 +185,10 @@ def _request_handler(files: Callable[[Any, Any], Response | None], door: Door) -
 
 def _view_only(answer: Response) -> Response:
     """The client of viser without its own panel and notices: the page around it has the controls."""
-    answer.body = answer.body.replace(b"</head>", VIEW_STYLE + b"</head>", 1)
-    del answer.headers["Content-Length"]
-    answer.headers["Content-Length"] = str(len(answer.body))
+    if answer.status_code == HTTPStatus.OK:
+        answer.body = answer.body.replace(b"</head>", VIEW_STYLE + b"</head>", 1)
+        del answer.headers["Content-Length"]
+        answer.headers["Content-Length"] = str(len(answer.body))
     return _hardened(answer, VIEW_POLICY)
 
 

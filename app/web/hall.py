@@ -27,6 +27,8 @@ class Page:
     number: int
     queue: asyncio.Queue[str] = field(default_factory=lambda: asyncio.Queue(MAX_WAITING))
     limit: RateLimit = field(default_factory=lambda: RateLimit(RATE, BURST))
+    strikes: int = 0
+    """Messages that came faster than the limit."""
     lost: bool = False
     """It did not keep up and is being cut off."""
 

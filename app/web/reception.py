@@ -29,6 +29,8 @@ TURNS = {
 SESSION_FILES = re.compile(r"^/session/([A-Za-z0-9_-]+\.png)$")
 MAX_FILE = 20_000_000
 """Largest picture of a session that is sent to a page [bytes]."""
+MAX_STRIKES = 10
+"""Messages beyond the rate after which a page is cut off."""
 FREE = ("stop", "take", "point")
 """Orders that a page without the controls may give: anyone may stop the robot."""
 
@@ -88,8 +90,14 @@ class Reception:
         try:
             async for raw in connection:
                 if not page.limit.allow():
-                    page.queue.put_nowait(_text({"type": "notice", "text": "too many messages at once"}))
-                    await asyncio.sleep(0.5)
+                    page.strikes += 1
+                    if page.strikes > MAX_STRIKES:
+                        await connection.close(1008, "too many messages")
+                        break
+                    self._hall.tell(
+                        {"type": "notice", "text": "too many messages at once"}, to=lambda other: other is page
+                    )
+                    await asyncio.sleep(0.1)
                     continue
                 self._receive(page, raw)
         finally:
