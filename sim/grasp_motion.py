@@ -83,7 +83,7 @@ def _quickest(
 
     Options whose pre-grasp lies deep inside something else than the target are left out.
     """
-    others = [box for box in boxes if not _around(box, grasp)]
+    others = [box for box in boxes if not is_around(box, grasp)]
     options = [reach for reach in options if clearances(reach.pregrasp[None], others).min() > -DEEPEST]
     direct = [(reach, plan_direct(start, reach.pregrasp, boxes)) for reach in options]
     free = [(reach, transit) for reach, transit in direct if transit is not None]
@@ -93,7 +93,7 @@ def _quickest(
     return min(free, key=lambda pair: pair[1].duration) if free else None
 
 
-def _around(box: Obstacle, grasp: Grasp) -> bool:
+def is_around(box: Obstacle, grasp: Grasp) -> bool:
     """Whether the grasp's point lies within a box, give or take 2 cm: then the box is the target's."""
     offset = np.asarray(grasp.position) - np.asarray(box.centre)
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)

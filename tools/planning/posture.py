@@ -8,7 +8,8 @@ import numpy as np
 
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
-from sim.motion import Obstacle, plan_transit
+from sim.grasp_motion import DEEPEST, is_around
+from sim.motion import Obstacle, clearances, plan_transit
 from sim.reach import Reach, Unreachable, solve_reaches
 from sim.shake import ANGLE, KNOTS, rocked_configurations
 from tools.planning.arm_clearance import arm_clearance
@@ -42,6 +43,8 @@ class ArmWay:
     """For the free motion to the pre-grasp."""
     others: tuple[PerceivedObject, ...] = ()
     """Everything but the target, over which the hand is lifted."""
+    has_arm: bool = True
+    """Whether the links take up room; without, reach alone decides."""
 
     def posture(self, grasp: Grasp, *, whole: bool, calm: bool) -> Posture | None:
         """Joint angles at the grasp, or None.
@@ -52,20 +55,32 @@ class ArmWay:
             calm: Refuse postures in which turning the wrist swings the arm about.
         """
         lift = lift_height(grasp.position, self.others)
+        whole = whole and self.has_arm
         found = solve_reaches(grasp, self.start, lift=lift, options=OPTIONS if whole else 1)
         if isinstance(found, Unreachable):
             return None
         for reach in found:
-            if not whole or self._free(reach, calm):
+            if not whole or self._free(grasp, reach, calm):
                 return tuple(float(q) for q in reach.joints)
         return None
 
-    def _free(self, reach: Reach, calm: bool) -> bool:
+    def _free(self, grasp: Grasp, reach: Reach, calm: bool) -> bool:
         if calm and not is_calm(reach):
+            return False
+        if not self._outside(grasp, reach):
             return False
         if len(self.points_w) and arm_clearance(reach, self.points_w) < ARM_CLEARANCE:
             return False
         return plan_transit(self.start, reach.pregrasp, self.boxes) is not None
+
+    def _outside(self, grasp: Grasp, reach: Reach) -> bool:
+        """Whether the approach keeps off the bin and begins outside everything but the target."""
+        seen = self.boxes[: len(self.others) + 1]
+        setting = self.boxes[len(seen) :]
+        if setting and float(clearances(reach.approach[::4], setting)[:, 1:].min()) < 0.0:
+            return False
+        beside = [box for box in seen if not is_around(box, grasp)]
+        return float(clearances(reach.pregrasp[None], beside).min()) > -DEEPEST
 
 
 def is_calm(reach: Reach) -> bool:
