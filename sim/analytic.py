@@ -40,6 +40,9 @@ GRIPS: tuple[FailureType | None, ...] = (None, "FORCE_DAMAGE", "DEFORMATION", "C
 class AnalyticRobot(Robot):
     """Deterministic given the world; perception alone is noisy."""
 
+    has_arm = False
+    """Outcomes follow from the hand alone: only whether the pose is within reach counts, no link can touch anything."""
+
     @property
     def holding(self) -> bool:
         """Something is in the hand."""

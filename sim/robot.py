@@ -37,6 +37,9 @@ OFFER = np.array([0.0, -0.35, 0.0, -2.2, 0.0, 1.95, math.pi / 4])
 class Robot:
     """Sensing and acting on one world."""
 
+    has_arm = True
+    """Its arm takes up room and has to get to where the hand goes."""
+
     def __init__(self, world: World, *, stop: StopSwitch | None = None) -> None:
         self.world = world
         self.stop = stop if stop is not None else StopSwitch()

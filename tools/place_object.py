@@ -129,6 +129,7 @@ def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
         points_w=points_of(args.percept, without=without),
         boxes=obstacles(args.percept, without=without),
         load=np.asarray(load_points(args.object, args.held)),
+        has_arm=bool(getattr(context.robot, "has_arm", True)),
     )
     for careful, limit in ((True, TRIES * 4), (False, TRIES * 12)):
         for option in islice(_options(args), limit):

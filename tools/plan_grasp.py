@@ -135,7 +135,12 @@ def arm_way(percept: Percept, target: str, context: ToolContext) -> ArmWay:
     """The arm as it stands, and all that was perceived around the target."""
     start = np.asarray(context.robot.joints, float)
     others = tuple(other for other in percept.objects if other.id != target)
-    return ArmWay(start, surroundings(percept, target), obstacles(percept), others)
+    return ArmWay(start, surroundings(percept, target), obstacles(percept), others, has_arm(context.robot))
+
+
+def has_arm(robot: Any) -> bool:
+    """Whether the robot's links take up room: the analytic evaluator's do not."""
+    return bool(getattr(robot, "has_arm", True))
 
 
 def _subject(args: PlanArgs) -> PerceivedObject:

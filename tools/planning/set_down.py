@@ -141,6 +141,8 @@ class Scene:
     """The same as boxes, for the free way."""
     load: Array
     """Points of what is held in the hand frame (P, 3) [m]."""
+    has_arm: bool = True
+    """Whether the links take up room; without, the hand's own clearance decides."""
 
 
 def feasible(option: SetDown, scene: Scene, *, careful: bool) -> bool:
@@ -160,6 +162,8 @@ def feasible(option: SetDown, scene: Scene, *, careful: bool) -> bool:
     )
     if len(scene.points_w) and swept_clearance(pose, scene.points_w, lift=0.12) < HAND_GAP:
         return False
+    if not scene.has_arm:
+        return True
     target = np.eye(4)
     target[:3, :3], target[:3, 3] = pose.rotation(), option.position
     # The robot takes the first way that it finds, so that one must be clear.
