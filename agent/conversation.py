@@ -221,7 +221,7 @@ def _told(failure: BaseException) -> BaseException:
 
 def begin(instruction: str) -> dict[str, Any]:
     """The update of the state with which a turn begins."""
-    return {"instruction": instruction, "said": "", "call": None, "calls": (), "times": {}, "use": None}
+    return {"instruction": instruction, "said": "", "call": None, "calls": (), "times": None, "use": None}
 
 
 def checked(instruction: str) -> str:

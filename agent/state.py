@@ -25,9 +25,9 @@ from tools.classify_failure import Diagnosis
 from tools.planning.demand import Demand
 
 
-def add_times(old: dict[str, float], new: dict[str, float]) -> dict[str, float]:
-    """Reducer of wall-clock seconds per stage; an empty dict clears."""
-    if not new:
+def add_times(old: dict[str, float], new: dict[str, float] | None) -> dict[str, float]:
+    """Reducer of wall-clock seconds per stage; None clears. A node that timed nothing leaves all as it is."""
+    if new is None:
         return {}
     return {key: old.get(key, 0.0) + new.get(key, 0.0) for key in sorted({*old, *new})}
 
@@ -172,7 +172,7 @@ class Update(TypedDict, total=False):
     pending: Goal | None
     answer: str
     question: str | None
-    times: dict[str, float]
+    times: dict[str, float] | None
     use: ModelUse | None
     demands: tuple[Demand, ...]
     said: str

@@ -132,7 +132,7 @@ class SharedWalk:
             RuntimeError: the graph does not come to an end.
         """
         graph, runtime, state = wiring(), Injected(context), State()
-        state = _reduced(graph, state, {"instruction": checked(instruction), "times": {}})
+        state = _reduced(graph, state, {"instruction": checked(instruction), "times": None})
         real = context.tools.switches
         watched = WatchedSwitches(real)
         context.tools.switches = watched
