@@ -10,7 +10,11 @@ from typing import TYPE_CHECKING, Any
 from kb.errors import BadInputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from agent.build_agent import Agent
+    from agent.events import BaseStep
+    from app.options import RunOptions
     from kb.journal import Change
     from kb.learned import LearnedBase
     from tools.learn_experience import Suite
@@ -126,28 +130,63 @@ def _refuse_harm(base: LearnedBase, entry: Any, suite: Suite) -> None:
         )
 
 
-def learn_from(agent: Agent, base: LearnedBase, suite: Suite, needed: int = 3) -> list[str]:
-    """Enters the attempts of the turn that has just ended; returns what is to be said about it.
+def store_of(options: RunOptions) -> Any:
+    """The knowledge base of a session that does not learn: a server's, or the path that was given.
 
-    A claimed success is confirmed by setting down and lifting again; afterwards the world is as the turn had left it.
+    Raises:
+        EnvironmentFaultError: the server cannot be reached or holds no knowledge base.
     """
-    from agent.lessons import confirm, lessons_of
-    from tools.learn_experience import LearnRules, learn_experience
+    if options.kb_url is not None:
+        from kb.chroma_server import read_server
 
-    state = agent.state
-    attempts = [a for a in state.attempts if a.turn == state.attempts[-1].turn] if state.attempts else []
-    if not attempts or attempts[-1].turn != state.turn:
-        return []
-    said: list[str] = []
-    confirmed = False
-    if attempts[-1].claimed and state.held is not None:
-        moment = agent.opened.snapshot()
-        word = confirm(attempts[-1], agent.context.tools)
-        agent.opened.restore(moment)
-        confirmed = word.confirmed
-        said.append(f"learning: set down and lifted again: {word.says}")
-    store = base.header.embedder
-    lessons = lessons_of(attempts, confirmed, store, agent.context.seed)
-    for change in learn_experience(lessons, base, suite, LearnRules(needed=needed)):
-        said.append(f"learning: version {change.version}, {change.kind}: {change.says}")
-    return said
+        return read_server(options.kb_url)
+    return options.kb
+
+
+class Learner:
+    """Enters the outcomes of a session into its learning knowledge base."""
+
+    def __init__(self, options: RunOptions, needed: int = 3) -> None:
+        """Opens the knowledge base, or begins one with the shipped one.
+
+        Raises:
+            EnvironmentFaultError: it is damaged, cannot be written, or was embedded by another embedder.
+        """
+        from kb.learned import LearnedBase
+        from kb.open_embedder import open_embedder
+        from kb.store import ExperienceStore
+        from tools.learn_experience import LearnRules, make_suite
+
+        folder = Path(options.kb) if options.kb is not None else default_folder()
+        if folder.is_file():
+            raise BadInputError(f"{folder} is a file; learning needs a folder", where="--kb")
+        self._base = LearnedBase.begin(folder)
+        self.store = self._base.store()
+        self.store.require_embedder(open_embedder(options.embedder).name)
+        self._suite = make_suite(ExperienceStore.open())
+        self._rules = LearnRules(needed=needed)
+
+    def after(self, agent: Agent) -> Iterator[BaseStep]:
+        """Enters the attempts of the turn that has just ended and says what came of them.
+
+        A claimed success is confirmed by setting down and lifting again; then the world is as the turn had left it.
+        """
+        from agent.events import Thought
+        from agent.lessons import confirm, lessons_of
+        from tools.learn_experience import learn_experience
+
+        state = agent.state
+        attempts = [attempt for attempt in state.attempts if attempt.turn == state.turn]
+        if not attempts:
+            return
+        confirmed = False
+        if attempts[-1].claimed and state.held is not None:
+            moment = agent.opened.snapshot()
+            word = confirm(attempts[-1], agent.context.tools)
+            agent.opened.restore(moment)
+            confirmed = word.confirmed
+            yield Thought(text=f"To be sure before I learn it, I set it down and lift it again: {word.says}.")
+        lessons = lessons_of(attempts, confirmed, self._base.header.embedder, agent.context.seed)
+        for change in learn_experience(lessons, self._base, self._suite, self._rules):
+            yield Thought(text=f"Knowledge base, version {change.version}, {change.kind}: {change.says}.")
+        self.store = agent.context.tools.store = self._base.store()

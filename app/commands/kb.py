@@ -199,3 +199,15 @@ def add(
     described = {"type": affordance, "material": material, "fragility": fragility}
     given = {key: value for key, value in described.items() if value is not None}
     add_object(kb or default_folder(), name, scene, thing, given, trials)
+
+
+@app.command("push")
+def push(
+    kb_url: Annotated[str, typer.Option("--kb-url", metavar="URL", help="Chroma server, http://HOST:PORT.")],
+    store: Store = None,
+) -> None:
+    """Put a knowledge base on a Chroma server, in place of the one that is there."""
+    from kb.chroma_server import write_server
+    from kb.learned import open_any
+
+    print(f"{write_server(open_any(store), kb_url)} experiences on {kb_url}")
