@@ -37,6 +37,8 @@ RANGES: dict[AffordanceType, tuple[float, float]] = {
     "PINCHABLE": (0.0, 0.3),
 }
 """Plausible fragility by type: what is round and closed may be an egg or a ball."""
+SUREST = 0.95
+"""Clarity of a rule whose thresholds are far away: geometry alone is never certain."""
 BLUR = 0.15
 """Relative error of a measured extent that the clarity of a rule reckons with."""
 BOOK, BOOK_HIGH = 0.040, 2.0
@@ -102,7 +104,7 @@ def affordance_of_unknown(measured: Measured, parts: tuple[Part, ...], *, transp
     material: Material = "glass" if transparent else "mixed"
     fragility = FRAGILE_GLASS if kind == "FRAGILE" else STURDY if kind in ("TOOL_HANDLE", "PINCHABLE") else CAREFUL
     found = AffordanceDescriptor(type=kind, material=material, fragility=fragility, region=region)
-    return Afforded(found, round(clarity, 3), RANGES[kind])
+    return Afforded(found, round(min(clarity, SUREST), 3), RANGES[kind])
 
 
 def _type_and_region(m: Measured, parts: dict[Region, Part], transparent: bool) -> tuple[AffordanceType, Region, float]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tools.perception.blob import Blob
 from tools.perception.calibrate_view import CalibratedView
-from tools.perception.object_points import LOWEST, ObjectPoints
+from tools.perception.object_points import ObjectPoints
 from tools.perception.segment import Pieces
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class BlobMaker:
         )
 
     def _low_points(self, xyz: Array) -> Array:
-        """Points (K, 3) of the top view below LOWEST within the bounding rectangle of `xyz`."""
+        """Points (K, 3) of the top view taken for the table within the bounding rectangle of `xyz`."""
         lower, upper = xyz.min(0), xyz.max(0)
         corners = np.array([[x, y, 0.0] for x in (lower[0], upper[0]) for y in (lower[1], upper[1])])
         u, v, _ = self.top_view.project(corners)
@@ -54,7 +54,9 @@ class BlobMaker:
         patch = self.top_view.points[rows, columns].reshape(-1, 3)
         seen = self.top_view.measured[rows, columns].reshape(-1)
         inside = (
-            seen & (patch[:, 2] <= LOWEST) & np.all((patch[:, :2] > lower[:2]) & (patch[:, :2] < upper[:2]), axis=1)
+            seen
+            & (patch[:, 2] <= self.points.lowest)
+            & np.all((patch[:, :2] > lower[:2]) & (patch[:, :2] < upper[:2]), axis=1)
         )
         return patch[inside].astype(np.float64)
 

@@ -26,6 +26,12 @@ SURROUNDINGS, TALLEST, BORDER = 0.04, 0.33, 14
 TABLE_BAND = 0.005
 """Residuals up to this belong to the table [m]: 2 mm per pixel, halved by the median, and a 1.5-mm smooth part."""
 
+ORDINARY_NOISE = 0.0020
+"""Standard deviation of a pixel's depth in an ordinary picture [m]."""
+
+NOISY, NOISY_ROUNDS = 1.4, 2
+"""From this many times the ordinary noise on, the median filter is run that many times more."""
+
 
 @dataclass(frozen=True)
 class CalibratedView:
@@ -48,6 +54,8 @@ class CalibratedView:
     """Focal length [px]."""
     pose: Array
     """Fitted pose camera-to-world (4, 4)."""
+    noise: float = 1.0
+    """Depth noise of this picture over the ordinary one, 1 unless it is clearly more."""
 
     @property
     def measured(self) -> NDArray[np.bool_]:
@@ -70,13 +78,17 @@ def calibrate_view(view: RgbdView) -> CalibratedView:
     window = _table_window(all_rays, told)
     rays, measured = all_rays[window], np.ascontiguousarray(view.depth[window])
     pose = fit_edges(measured, rays, fit_plane(measured, rays, told))
+    noise = noise_level(measured)
     filtered = median_depth(measured)
-    error = table_error(filtered, rays, pose)
+    for _ in range(NOISY_ROUNDS if noise > 1.0 else 0):
+        filtered = median_depth(filtered)
+    error = table_error(filtered, rays, pose, noise)
     depth = np.where(filtered > 0, filtered - error, np.float32(0.0))
     raw = np.where(measured > 0, measured - error, np.float32(0.0))
     points = (rays * depth[..., None]) @ pose[:3, :3].T.astype(np.float32) + pose[:3, 3].astype(np.float32)
     corner = (int(window[0].start), int(window[1].start))
-    return CalibratedView(view.name, view.rgb[window], depth, raw, points, view.depth.shape, corner, view.focal, pose)
+    whole = view.depth.shape
+    return CalibratedView(view.name, view.rgb[window], depth, raw, points, whole, corner, view.focal, pose, noise)
 
 
 def _table_window(rays: Image, pose: Array) -> tuple[slice, slice]:
@@ -103,7 +115,22 @@ def _table_window(rays: Image, pose: Array) -> tuple[slice, slice]:
     return rows, columns
 
 
-def table_error(depth: Image, rays: Image, pose: Array) -> Image:
+def noise_level(depth: Image) -> float:
+    """Pixel noise of a depth picture over the ordinary one, from differences of neighbours in a row; at least 1.
+
+    Ordinary pictures have exactly 1: how much noise a picture has is known to some per cent only.
+    """
+    left, right = depth[::2, :-1], depth[::2, 1:]
+    both = (left > 0) & (right > 0)
+    if both.sum() < 200:
+        return 1.0
+    # The difference of two pixels has the square root of two of their noise; the median of its size is 0.6745 of that.
+    spread = float(np.median(np.abs(right - left)[both])) / 0.6745 / np.sqrt(2.0)
+    level = spread / ORDINARY_NOISE
+    return level if level > NOISY else 1.0
+
+
+def table_error(depth: Image, rays: Image, pose: Array, noise: float = 1.0) -> Image:
     """Smooth depth error [m] (H, W), measured on the table around each pixel and zero where no table is near."""
     directions = rays @ pose[:3, :3].T.astype(np.float32)
     with np.errstate(divide="ignore"):
@@ -111,7 +138,7 @@ def table_error(depth: Image, rays: Image, pose: Array) -> Image:
     x = directions[..., 0] * ideal + np.float32(pose[0, 3])
     y = directions[..., 1] * ideal + np.float32(pose[1, 3])
     residual = np.where(depth > 0, depth - ideal, np.float32(1.0))
-    table = (np.abs(residual) < TABLE_BAND) & (x > TABLE_LOWER[0]) & (x < TABLE_UPPER[0])
+    table = (np.abs(residual) < TABLE_BAND * noise) & (x > TABLE_LOWER[0]) & (x < TABLE_UPPER[0])
     table &= (y > TABLE_LOWER[1]) & (y < TABLE_UPPER[1])
     total = box_sum(_blocks(np.where(table, residual, np.float32(0.0))), FIELD_HALF)
     count = box_sum(_blocks(table.astype(np.float32)), FIELD_HALF)

@@ -33,9 +33,14 @@ class Judgement:
     """Log of the smallest Mahalanobis distance per feature: how far from everything known."""
 
 
-def classify(geometry: Array, colour: Array, references: References, nouns: tuple[str, ...] = ()) -> Judgement:
-    """Judges one object by its geometric (F,) and colour (3,) features."""
-    square, log_likelihood = distances(geometry, references)
+def classify(
+    geometry: Array, colour: Array, references: References, nouns: tuple[str, ...] = (), noise: float = 1.0
+) -> Judgement:
+    """Judges one object by its geometric (F,) and colour (3,) features.
+
+    A picture with `noise` times the ordinary noise spreads what is measured that much more about each category.
+    """
+    square, log_likelihood = (value / noise**2 for value in distances(geometry, references))
     log_colour = colour_log_likelihood(colour, references)
     score = (log_likelihood + references.colour_weight * log_colour) / references.temperature
     score = score + np.log(NOUN_FACTOR) * np.array([name in nouns for name in references.categories])

@@ -21,6 +21,10 @@ _NAMES: tuple[tuple[str, float], ...] = (
 """Upper hue [deg] of each colour name on the hue circle."""
 
 
+YELLOWISH, VIVID = 38.0, 0.55
+"""Hues [deg] from the first on, more saturated than the second, are a shaded yellow rather than brown."""
+
+
 def hue_saturation_value(rgb: Array) -> Array:
     """Hue [deg], saturation and value of colours (..., 3) in [0, 1]."""
     high, low = rgb.max(-1), rgb.min(-1)
@@ -39,7 +43,7 @@ def colour_name(rgb: tuple[float, float, float]) -> str:
         return "black"
     if saturation < 0.16:
         return "white" if value > 0.66 else "grey"
-    if 10 <= hue < 48 and value < 0.72 and saturation < 0.8:
+    if 10 <= hue < 48 and value < 0.72 and saturation < 0.8 and not (hue >= YELLOWISH and saturation > VIVID):
         return "brown"
     return next(name for name, upper in _NAMES if hue <= upper)
 

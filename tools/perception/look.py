@@ -27,6 +27,11 @@ class Look:
     pieces: Pieces
     maker: BlobMaker
 
+    @property
+    def noise(self) -> float:
+        """Depth noise over the ordinary one; at least 1."""
+        return max(view.noise for view in self.views)
+
 
 def take_apart(views: tuple[RgbdView, ...]) -> Look:
     """Calibrates the views, drops the table and cuts the rest into pieces.

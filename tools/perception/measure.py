@@ -32,6 +32,12 @@ TOP_BIAS = (0.0007, 0.0018)
 CROWN = 0.007
 """Height of the topmost slice of a round thing [m]."""
 
+LEAST_EXTENT = 1e-3
+"""Nothing is thinner [m]; a handful of points in one place has no extents of its own."""
+
+FEWEST_OUTLINED = 20
+"""Points that an outline needs; with fewer, all points of the thing are taken."""
+
 SPARE_WHOLE = (6, 8)
 """Farthest points left out of an outline that includes the front view, whose noise points outwards; opaque, clear."""
 
@@ -95,11 +101,11 @@ def measure(blob: Blob, support: float = 0.0, load: Measured | None = None) -> M
             top = load.base if top < load.base < top + 0.035 else top
             above = np.concatenate([xyz, np.column_stack([2 * load.centre - xyz[:, :2], xyz[:, 2]])])
     high = above[above[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
-    view = outline(high if len(high) >= 20 else above)
+    view = outline(high if len(high) >= FEWEST_OUTLINED else above)
     ball = fit_sphere(xyz if len(xyz) < 3000 else xyz[:: len(xyz) // 1500])
     if view.roughness >= ROUND[clear]:  # from above, a lip may hide the far side of a belly
         solid = xyz[xyz[:, 2] > min(support + 0.009, support + 0.4 * (top - support))]
-        whole = outline(solid, SPARE_WHOLE[clear])
+        whole = outline(solid, SPARE_WHOLE[clear]) if len(solid) >= FEWEST_OUTLINED else view
         view = whole if whole.roughness < ROUND[clear] else view
     is_ball = _is_ball(ball, support, top, view)
     is_round = view.roughness < ROUND[clear]
@@ -187,10 +193,12 @@ def _box(
     centre, radius, bulge, azimuth = circle
     z, height = (base + top) / 2, max(top - base, 1e-3)
     if is_ball or (is_round and bulge < 0.10 * radius + 0.003):
-        return UprightBox(np.array([*centre, z]), 0.0, np.array([2 * radius, 2 * radius, height]))
+        across = max(2 * radius, LEAST_EXTENT)
+        return UprightBox(np.array([*centre, z]), 0.0, np.array([across, across, height]))
     if is_round:
         along = np.array([np.cos(azimuth), np.sin(azimuth)])
         middle = np.array([*(centre + along * bulge / 2), z])
-        return UprightBox(middle, wrap_half_turn(azimuth), np.array([2 * radius + bulge, 2 * radius, height]))
+        extents = np.maximum(np.array([2 * radius + bulge, 2 * radius, height]), LEAST_EXTENT)
+        return UprightBox(middle, wrap_half_turn(azimuth), extents)
     middle, yaw, longer, shorter = view.rectangle()
-    return UprightBox(np.array([*middle, z]), yaw, np.array([longer, shorter, height]))
+    return UprightBox(np.array([*middle, z]), yaw, np.maximum(np.array([longer, shorter, height]), LEAST_EXTENT))

@@ -18,6 +18,9 @@ Index = NDArray[np.intp]
 LOWEST = 0.0045
 """Points lower than this are table [m]: four standard deviations of a filtered, corrected pixel."""
 
+DEEPEST = 0.020
+"""Points farther below the table than this are not its noise; so far from its edges its heights are looked at [m]."""
+
 HIGHEST = 0.33
 """Higher points are the arm or noise [m]; the tallest thing that the hand can lift off the table is lower."""
 
@@ -55,6 +58,8 @@ class ObjectPoints:
     """Number of the point's voxel (N,)."""
     keys: Index
     """Flat grid index of each voxel (V,), ascending."""
+    lowest: float = LOWEST
+    """Height up to which points were taken for the table [m]."""
 
     def voxel_mean(self, values: Array) -> Array:
         """Mean over each voxel (V, k) of values (N, k)."""
@@ -74,9 +79,10 @@ def object_points(views: tuple[CalibratedView, ...]) -> ObjectPoints:
     which: list[NDArray[np.int8]] = []
     pixels: list[Index] = []
     clear: list[Array] = []
+    lowest = max(_table_ends(view) for view in views)
     for number, view in enumerate(views):
         p = view.points
-        inside = view.measured & (p[..., 2] > LOWEST) & (p[..., 2] < HIGHEST)
+        inside = view.measured & (p[..., 2] > lowest) & (p[..., 2] < HIGHEST)
         for axis in (0, 1):
             inside &= (p[..., axis] > TABLE_LOWER[axis] - MARGIN) & (p[..., axis] < TABLE_UPPER[axis] + MARGIN)
         chosen = np.flatnonzero(inside)
@@ -84,7 +90,7 @@ def object_points(views: tuple[CalibratedView, ...]) -> ObjectPoints:
         rgb.append(view.rgb.reshape(-1, 3)[chosen] / 255.0)
         which.append(np.full(len(chosen), number, np.int8))
         pixels.append(chosen)
-        clear.append(clear_share(view.raw).reshape(-1)[chosen])
+        clear.append(clear_share(view.raw, view.noise).reshape(-1)[chosen])
     points = np.concatenate(xyz)
     cells = np.floor((points - _ORIGIN) / VOXEL).astype(np.intp)
     flat = (cells[:, 0] * _GRID[1] + cells[:, 1]) * _GRID[2] + cells[:, 2]
@@ -97,7 +103,24 @@ def object_points(views: tuple[CalibratedView, ...]) -> ObjectPoints:
         clear=np.concatenate(clear),
         voxel=voxel.reshape(-1),
         keys=keys,
+        lowest=lowest,
     )
+
+
+def _table_ends(view: CalibratedView) -> float:
+    """Height up to which points of this view are table [m]: four standard deviations of its heights.
+
+    They are measured below the table's plane, where nothing else is; an ordinary picture has the known value.
+    """
+    if view.noise <= 1.0:
+        return LOWEST
+    x, y, z = view.points[..., 0], view.points[..., 1], view.points[..., 2]
+    inner = view.measured & (z < 0) & (z > -DEEPEST)
+    inner &= (x > TABLE_LOWER[0] + DEEPEST) & (x < TABLE_UPPER[0] - DEEPEST)
+    inner &= (y > TABLE_LOWER[1] + DEEPEST) & (y < TABLE_UPPER[1] - DEEPEST)
+    if inner.sum() < 200:
+        return LOWEST * view.noise
+    return max(LOWEST, 4.0 * float(np.median(-z[inner])) / 0.6745)
 
 
 def _half_neighbourhood(reach: int) -> Index:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tools.perception.blob import CLEAR_LOSS, Blob, covered_top
-from tools.perception.contents import has_rim
+from tools.perception.contents import has_rim, is_ring
 from tools.perception.look import Look
 from tools.perception.measure import measure
 from tools.perception.segment import BRIGHTNESS_RADIUS, chromaticity
@@ -95,7 +95,7 @@ class PieceFacts:
             holder = measure(self.blob(other))
             reach = np.hypot(*(self.blob(group).xyz[:, :2] - holder.centre).T)
             inside = holder.is_round and np.quantile(reach, 0.9) < 0.96 * holder.radius
-            self._nests[group, other] = bool(inside and has_rim(holder))
+            self._nests[group, other] = bool(inside and has_rim(holder) and not is_ring(holder))
         return self._nests[group, other]
 
 

@@ -20,12 +20,15 @@ FEWEST = 6
 """Pixels away from edges that a share needs."""
 
 
-def clear_share(raw: Image) -> Array:
-    """Share of unmeasured pixels (H, W) around each pixel, edges left aside; NaN at edges."""
+def clear_share(raw: Image, noise: float = 1.0) -> Array:
+    """Share of unmeasured pixels (H, W) around each pixel, edges left aside; NaN at edges.
+
+    With `noise` times the ordinary noise flat neighbourhoods range over that much more.
+    """
     measured = raw > 0
     low = _extreme(np.where(measured, raw, np.float32(np.inf)), np.minimum)
     high = _extreme(np.where(measured, raw, np.float32(0.0)), np.maximum)
-    flat = (high - low < STEP) & (high > 0)
+    flat = (high - low < STEP * noise) & (high > 0)
     total = box_sum(flat.astype(np.float32), WINDOW)
     lost = box_sum((flat & ~measured).astype(np.float32), WINDOW)
     return np.where(flat & (total >= FEWEST), lost / np.maximum(total, 1.0), np.nan)

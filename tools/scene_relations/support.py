@@ -16,6 +16,9 @@ INSIDE_OVERLAP = 0.5
 """Least share of the inner footprint over the container's."""
 CERTAIN_OVERLAP = 0.9
 """Share over a thing of unknown category from which it counts as hollow."""
+SAME_GROUND = 0.003
+"""What begins less than this above the base of what surrounds it stands in a ring, on the same ground [m]: a vessel has
+a floor."""
 INSIDE_DEPTH = 0.010
 """Depth below the container's top edge that makes a thing be inside [m]."""
 
@@ -60,7 +63,7 @@ def is_hollow(obj: PerceivedObject) -> bool:
 
 
 def is_inside(inner: Solid, outer: Solid, outer_object: PerceivedObject) -> bool:
-    """INSIDE: the slimmer inner one lies over a hollow outer one, begins below its edge and not under it.
+    """INSIDE: the slimmer inner one lies over a hollow outer one, begins below its edge and above its floor.
 
     Two things cannot be in one place: an unknown thing that holds nearly the whole footprint of another one must be
     hollow, whatever it looks like.
@@ -70,5 +73,5 @@ def is_inside(inner: Solid, outer: Solid, outer_object: PerceivedObject) -> bool
     return (
         (must_be_hollow or (is_hollow(outer_object) and share >= INSIDE_OVERLAP))
         and breadth(inner) < breadth(outer)
-        and outer.low - REST_TOLERANCE <= inner.low <= outer.high - INSIDE_DEPTH
+        and outer.low + SAME_GROUND <= inner.low <= outer.high - INSIDE_DEPTH
     )

@@ -1,0 +1,84 @@
+"""What is said of objects that no category fits: their parts, what they afford, and how sure that is."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kb.percept import PerceivedObject
+from kb.references import load_references
+from kb.vocabulary import UNKNOWN_CATEGORY
+from sim.draw_scene import draw_scene
+from sim.ood_catalogue import any_model
+from sim.robot import Robot
+from sim.scene_file import load_scene
+from sim.world import World
+from tools.execute_grasp import trial_lift_cap
+from tools.perceive import PerceiveArgs
+from tools.perception.rgbd_perceiver import RgbdPerceiver
+from tools.planning.force_choice import first_force, force_cap
+
+
+@cache
+def seen(model: str, seed: int = 11_000) -> PerceivedObject:
+    """The one object on the table, as the cameras show it."""
+    world = World(draw_scene(load_scene(f"ood_{model}"), seed))
+    views = Robot(world).look(np.random.default_rng(seed))
+    percept = RgbdPerceiver(references=load_references()).perceive(views, PerceiveArgs())
+    assert len(percept.objects) == 1, [item.category for item in percept.objects]
+    return percept.objects[0]
+
+
+@pytest.mark.parametrize(
+    ("model", "kind", "region"),
+    [
+        ("teapot", "GRASPABLE_HANDLE", "handle"),
+        ("watering_can", "GRASPABLE_HANDLE", "handle"),
+        ("hammer", "TOOL_HANDLE", "handle"),
+        ("dinner_plate", "GRASPABLE_EDGE", "rim"),
+        ("egg", "WRAPPABLE", "body"),
+        ("tv_remote", "CLAMPABLE", "edge"),
+        ("paperback", "CLAMPABLE", "edge"),
+        ("clothes_peg", "PINCHABLE", "body"),
+        ("soup_can", "GRASPABLE_BODY", "body"),
+    ],
+)
+def test_affordance_follows_from_geometry_and_appearance(model: str, kind: str, region: str) -> None:
+    """An object of no known category gets the type and region of the table from what is seen of it, as one object."""
+    thing = seen(model)
+    assert thing.category == UNKNOWN_CATEGORY
+    assert (thing.affordance.type, thing.affordance.region) == (kind, region)
+    assert 0.0 < thing.affordance_confidence < 1.0
+
+
+@pytest.mark.parametrize(("model", "region"), [("teapot", "handle"), ("watering_can", "handle"), ("hammer", "handle")])
+def test_handles_are_measured(model: str, region: str) -> None:
+    """A protruding loop or a slim end is found as wide as it is, within 3 mm."""
+    part = seen(model).part(region)  # pyright: ignore[reportArgumentType]
+    true = next(part for part in any_model(model).form().parts if part.region == region)
+    assert part is not None
+    assert part.width == pytest.approx(true.width, abs=0.003)
+
+
+def test_fragility_is_an_interval_and_the_first_force_bears_its_upper_end() -> None:
+    """What is round may be an egg: the fingers close with what an egg bears; a test lift may raise it, but not above
+    what the middle of the interval bears."""
+    egg = seen("egg")
+    assert egg.fragility_range is not None
+    low, high = egg.fragility_range
+    assert low < any_model("egg").affordance.fragility < high
+    first, most = first_force(egg), trial_lift_cap(egg)
+    assert first is not None
+    assert most is not None
+    assert first <= max(4.0, force_cap(high)) < most
+
+
+def test_what_is_known_has_no_interval() -> None:
+    """Of a known category the descriptor and the weight are known; no test lift takes place."""
+    apple = seen("apple")
+    assert apple.category == "apple"
+    assert apple.fragility_range is None
+    assert first_force(apple) is None
+    assert trial_lift_cap(apple) is None
