@@ -32,13 +32,31 @@ Brain = Annotated[
     typer.Option(
         "--brain",
         metavar="BRAIN",
-        help="rules, openai:MODEL or hf:MODEL_OR_FOLDER (default: rules).",
+        help="rules, openai:MODEL, hf:MODEL_OR_FOLDER or replay:FILE (default: rules).",
         rich_help_panel=WORLD,
     ),
 ]
 BaseUrl = Annotated[
     Optional[str],  # noqa: UP045
-    typer.Option("--base-url", metavar="URL", help="Server of an openai: brain.", rich_help_panel=WORLD, hidden=True),
+    typer.Option("--base-url", metavar="URL", help="Server of an openai: brain.", rich_help_panel=WORLD),
+]
+RecordBrain = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--record-brain",
+        metavar="FILE",
+        help="Keep the exchanges with a language model there; what it holds is not asked again.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+BrainPictures = Annotated[
+    Optional[bool],  # noqa: UP045
+    typer.Option(
+        "--brain-pictures/--no-brain-pictures",
+        help="Send pictures to the language model.",
+        show_default=False,
+        rich_help_panel=WORLD,
+    ),
 ]
 Perception = Annotated[
     Optional[str],  # noqa: UP045
@@ -67,6 +85,37 @@ Configuration = Annotated[
         autocompletion=completion.configurations,
         metavar="NAME",
         help="full, or an ablation by name (default: full).",
+        rich_help_panel=WORLD,
+    ),
+]
+Embedder = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--embedder",
+        metavar="NAME",
+        help="shape_colour, efficientnet, clip:TAG or clip:FILE (default: shape_colour).",
+        rich_help_panel=WORLD,
+    ),
+]
+Kb = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--kb",
+        metavar="FILE|DIR",
+        help="Knowledge base: a file, or the folder of a learning one (default: the one shipped).",
+        rich_help_panel=WORLD,
+    ),
+]
+KbUrl = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--kb-url", metavar="URL", help="Chroma server with the knowledge base.", rich_help_panel=WORLD),
+]
+Learn = Annotated[
+    Optional[bool],  # noqa: UP045
+    typer.Option(
+        "--learn/--no-learn",
+        help="Learn from what happens: outcomes enter the knowledge base of --kb (default: your own).",
+        show_default=False,
         rich_help_panel=WORLD,
     ),
 ]

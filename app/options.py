@@ -14,7 +14,7 @@ from typing import Any
 
 from kb.errors import BadInputError, EnvironmentFaultError
 
-BRAINS = ("rules", "openai:MODEL", "hf:MODEL_OR_FOLDER")
+BRAINS = ("rules", "openai:MODEL", "hf:MODEL_OR_FOLDER", "replay:FILE")
 PERCEPTIONS = ("rgbd", "vlm", "oracle")
 EVALUATORS = ("mujoco", "analytic")
 MAX_SEED = 2**63 - 1
@@ -34,8 +34,20 @@ class RunOptions:
     brain: str = "rules"
     base_url: str | None = None
     """Address of the server of an `openai:` brain."""
+    record_brain: str | None = None
+    """File that keeps the exchanges with a language model; what stands in it is not asked again."""
+    brain_pictures: bool = True
+    """Whether a language model is sent pictures."""
     perception: str = "rgbd"
     evaluator: str = "mujoco"
+    embedder: str = "shape_colour"
+    """What turns a picture of an object into a vector: "shape_colour", "efficientnet", "clip:TAG" or "clip:FILE"."""
+    kb: str | None = None
+    """Knowledge base: a file, or the folder of a learning one; None is the shipped one (while learning: the user's)."""
+    kb_url: str | None = None
+    """Chroma server that holds the knowledge base instead."""
+    learn: bool = False
+    """Enter outcomes into the knowledge base, and score by them."""
     configuration: str = "full"
     json: str | None = None
     """File for the result, or "-" for standard output."""
@@ -62,7 +74,7 @@ def resolve_options(flags: Mapping[str, Any], config: Path | None, configuration
 
     Raises:
         BadInputError: An unknown key, a value of the wrong kind or out of its choices, a missing or malformed file.
-        EnvironmentFaultError: A brain or perception that this version does not have.
+        EnvironmentFaultError: `--perception vlm` without a brain that sees.
     """
     known = {field.name for field in fields(RunOptions)}
     merged: dict[str, Any] = {}
@@ -76,7 +88,7 @@ def resolve_options(flags: Mapping[str, Any], config: Path | None, configuration
             _check_value(name, value, f"--{option_name(name)}", configurations)
             merged[name] = value
     options = RunOptions(**merged)
-    _refuse_unbuilt(options)
+    _refuse_nonsense(options)
     return options
 
 
@@ -107,6 +119,8 @@ def _check_kind(name: str, value: object, *, where: str) -> None:
         "seed": (int, "a whole number"),
         "approve": (bool, "true or false"),
         "dry_run": (bool, "true or false"),
+        "brain_pictures": (bool, "true or false"),
+        "learn": (bool, "true or false"),
     }
     kind, wanted = kinds.get(name, (str, "a text in quotes"))
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
@@ -117,7 +131,7 @@ def _check_value(name: str, value: Any, where: str, configurations: tuple[str, .
     """The value must be one of the choices of its option."""
     checks: dict[str, Callable[[Any], bool]] = {
         "seed": lambda v: 0 <= v <= MAX_SEED,
-        "brain": lambda v: v == "rules" or re.fullmatch(r"(openai|hf):\S+", v) is not None,
+        "brain": lambda v: v == "rules" or re.fullmatch(r"(openai|hf|replay):\S.*", v) is not None,
         "perception": lambda v: v in PERCEPTIONS,
         "evaluator": lambda v: v in EVALUATORS,
         "configuration": lambda v: v in configurations,
@@ -140,18 +154,25 @@ def _check_value(name: str, value: Any, where: str, configurations: tuple[str, .
     raise BadInputError(what, where=where, choices=choices.get(name, ()))
 
 
-def _refuse_unbuilt(options: RunOptions) -> None:
-    """Brains and perceptions that are named by the product but not built into this version say so."""
-    if options.brain != "rules":
-        kind = options.brain.split(":", 1)[0]
+def _refuse_nonsense(options: RunOptions) -> None:
+    """Options that mean nothing together say so before anything is opened.
+
+    Raises:
+        BadInputError: a server or a record for a brain that has none.
+        EnvironmentFaultError: names from pictures without a brain that sees.
+    """
+    if options.base_url is not None and not options.brain.startswith("openai:"):
+        raise BadInputError("only an openai: brain has a server", where="--base-url")
+    if options.base_url is not None and re.match(r"https?://[^\s/]+", options.base_url) is None:
+        raise BadInputError(f'"{options.base_url}" is no address', where="--base-url", choices=("http://HOST:PORT/v1",))
+    if options.record_brain is not None and not options.brain.startswith(("openai:", "hf:")):
+        raise BadInputError("only openai: and hf: brains can be recorded", where="--record-brain")
+    if options.kb_url is not None and (options.kb is not None or options.learn):
+        raise BadInputError("a server's knowledge base is only read: leave out --kb and --learn", where="--kb-url")
+    if options.perception == "vlm" and options.brain == "rules":
         raise EnvironmentFaultError(
-            f"--brain {options.brain}: language-model brains ({kind}:) are not built into this version yet",
-            mend="use --brain rules, which needs no model",
-        )
-    if options.perception == "vlm":
-        raise EnvironmentFaultError(
-            "--perception vlm: perception by a vision-language model is not built into this version yet",
-            mend="use --perception rgbd (from pixels) or oracle",
+            "--perception vlm needs a vision-language model",
+            mend="add --brain openai:MODEL or --brain hf:FOLDER, or use --perception rgbd",
         )
 
 

@@ -150,13 +150,15 @@ class RunRecord:
 
 def trace_row(step: Any) -> dict[str, Any]:
     """A step as one JSON object with the stage of the loop it belongs to (ledger G1)."""
-    return {"stage": STAGES.get(step.kind, 7), **json.loads(step.model_dump_json())}
+    row = json.loads(step.model_dump_json())
+    role = row.get("role") or (row.get("exchange") or {}).get("role")
+    return {"stage": STAGES.get(step.kind, ROLE_STAGES.get(role, 7)), **row}
 
 
 STAGES = {
     "understood": 0, "look": 1, "grounding": 2, "retrieved": 3, "graphed": 4, "constrained": 5, "planned": 5,
     "thought": 6, "approval": 6, "action": 6, "observation": 7, "reflection": 7, "remembered": 7, "sub_goal": 2,
-    "question": 2, "answer": 7,
+    "question": 2, "answer": 7, "named": 1,
 }  # fmt: skip
 """Kind of step -> stage: 0 instruction, 1 perceive, 2 ground, 3 retrieve, 4 graph, 5 constraints and grasp, 6 act,
 7 evaluate and reflect."""
@@ -165,6 +167,10 @@ STAGES = {
 def result_text(result: RunResult) -> str:
     """The result as it stands in files: indented JSON with a final newline."""
     return result.model_dump_json(indent=2) + "\n"
+
+
+ROLE_STAGES = {"understand": 0, "perceive": 1, "think": 6, "reflect": 7, "answer": 7}
+"""What a language model is asked for -> stage."""
 
 
 def png(picture: NDArray[np.uint8]) -> bytes:

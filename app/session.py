@@ -31,7 +31,9 @@ class Session:
             EnvironmentFaultError: the machine cannot do it.
         """
         from agent import build_agent
+        from app.learning import Learner, store_of
 
+        self._learner = Learner(options) if options.learn else None
         self.asks = options.approve
         """Whether the person is asked before every motion."""
         if options.approve:
@@ -47,6 +49,11 @@ class Session:
             approve=self._decide if options.approve or may_ask else None,
             dry_run=options.dry_run,
             base_url=options.base_url,
+            store=store_of(options) if self._learner is None else self._learner.store,
+            embedder=options.embedder,
+            learn=options.learn,
+            record_brain=options.record_brain,
+            brain_pictures=options.brain_pictures,
         )
 
     def __enter__(self) -> Session:
@@ -90,6 +97,8 @@ class Session:
             # A conversation is always able to ask; while approval is off, the question is not shown.
             if getattr(step, "kind", "") != "approval" or self.asks:
                 yield step
+        if self._learner is not None:
+            yield from self._learner.after(self._agent)
 
     def stop(self) -> None:
         """Stops the robot, until `release`."""
