@@ -43,6 +43,8 @@ class StoreHeader(Noun):
     """Length of the embeddings."""
     taxonomy: str
     """Version of the taxonomy that the categories come from."""
+    entries: int | None = None
+    """How many lines follow, so that a file cut off between two lines is noticed; written by every save."""
 
 
 class ExperienceStore:
@@ -247,8 +249,9 @@ def write_store(path: Path, header: StoreHeader, entries: Iterable[Experience]) 
 
 def text_of_store(header: StoreHeader, entries: Iterable[Experience]) -> str:
     """The file's text: a header line, then one experience a line."""
-    lines = [json.dumps(header.model_dump(mode="json"), ensure_ascii=False)]
-    lines += [json.dumps(entry.model_dump(mode="json"), ensure_ascii=False) for entry in entries]
+    rows = [json.dumps(entry.model_dump(mode="json"), ensure_ascii=False) for entry in entries]
+    first = header.model_copy(update={"entries": len(rows)})
+    lines = [json.dumps(first.model_dump(mode="json"), ensure_ascii=False), *rows]
     return "\n".join(lines) + "\n"
 
 
@@ -276,7 +279,10 @@ def _parse(text: str, where: str) -> tuple[StoreHeader, list[Experience]]:
             )
         seen[entry.id] = number
         entries.append(entry)
-    return header, entries
+    if header.entries is not None and header.entries != len(entries):
+        what = f"the knowledge base is cut off or damaged: {len(entries)} experiences instead of {header.entries}"
+        raise BadInputError(what, where=f"{where}:{len(lines)}")
+    return header.model_copy(update={"entries": None}), entries
 
 
 def _json(line: str, where: str) -> dict[str, Any]:
