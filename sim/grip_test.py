@@ -1,4 +1,4 @@
-"""The test lift: the first two centimetres in small steps, after each of which the hand grips what it feels.
+"""The test lift: over the first two centimetres the hand feels in short stretches what it carries, and grips accordingly.
 
 What slips between the fingers weighs as much as friction carries, what turns pulls with the torque that friction resists.
 Gripped harder, more of its weight leaves the table, so that force and load rise together until it hangs free. Thus weight
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.controller import along, follow, hold, holding_command, part
+from sim.controller import along, follow, hold, holding_command
 from sim.hand import approach_time
 from sim.motion_run import NOTHING, MotionRun
 from sim.wrench import GRAVITY
@@ -18,9 +18,15 @@ from sim.wrench import GRAVITY
 Array = NDArray[np.float64]
 
 STEPS = 8
-"""Steps of the test lift."""
-SETTLE_S = 0.04
+"""Stretches of the test lift."""
+SLOWLY = 1.5
+"""The test lift takes this many times as long as the same height otherwise."""
+SETTLE_S = 0.02
 """Time in which the fingers follow a changed force [s]."""
+UPPER = 0.8
+"""Quantile of the readings of a step that counts: what creeps carries less than what slides."""
+LEAST_RAISE = 1.3
+"""A grip that is too weak is raised by this factor at least."""
 POOR_FRICTION = 0.3
 """Friction coefficient that the grip reckons with: glass and metal at their worst."""
 MARGIN = 1.5
@@ -43,22 +49,22 @@ def trial_lift(motion: MotionRun, way: Array, force: float, most: float, speed: 
     Returns:
         The force with which the hand now holds [N].
     """
-    below = way[0]
-    seconds = approach_time(height, speed) / STEPS
-    for number in range(STEPS):
-        stretch = part(way, number / STEPS, (number + 1) / STEPS)
+    samples = along(way, SLOWLY * approach_time(height, speed))
+    before = way[0]
+    # One smooth motion: stopping between the steps would shake loose what is barely held.
+    for stretch in np.array_split(samples, STEPS):
         # Only what moves is felt to slip: at rest the table takes the weight back.
-        felt = motion.run(follow(along(stretch, seconds), motion.grip, below), "lift").sensordata
-        below = stretch[-1]
+        felt = motion.run(follow(stretch, motion.grip, before), "lift").sensordata
+        before = stretch[-1]
         if motion.aperture < NOTHING:
             break
-        felt = felt[len(felt) // 2 :]
-        load, torque = np.median(motion.wrist.mass(felt)), np.median(motion.wrist.torque(felt)[:, 1])
-        wanted = needed_force(float(load), float(torque))
+        load = float(np.quantile(motion.wrist.mass(felt), UPPER))
+        torque = float(np.median(motion.wrist.torque(felt)[:, 1]))
+        wanted = needed_force(load, torque)
         if force < min(wanted, most):
-            force = min(wanted, most)
+            force = min(max(wanted, LEAST_RAISE * force), most)
             motion.world.set_grip_force(force)
-            motion.run(hold(below, holding_command(motion.aperture, force), SETTLE_S), "lift")
+            motion.run(hold(before, holding_command(motion.aperture, force), SETTLE_S), "lift")
     return force
 
 
