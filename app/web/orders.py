@@ -35,7 +35,7 @@ class Plain(Noun):
 
     type: Literal[
         "stop", "release", "approve", "reject", "why", "compare", "undo", "remember", "recall", "report", "resume",
-        "take", "live", "fresh",
+        "take", "live", "fresh", "offers",
     ]  # fmt: skip
 
 

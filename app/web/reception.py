@@ -31,7 +31,7 @@ MAX_FILE = 20_000_000
 """Largest picture of a session that is sent to a page [bytes]."""
 MAX_STRIKES = 10
 """Messages beyond the rate after which a page is cut off."""
-FREE = ("stop", "take", "point")
+FREE = ("stop", "take", "point", "offers")
 """Orders that a page without the controls may give: anyone may stop the robot."""
 
 
@@ -42,6 +42,7 @@ class Reception:
         """Args: the desk, its pages, and what they can choose from (scenes, models, sessions)."""
         self._desk, self._hall, self._offers = desk, hall, offers
         self._files: dict[str, bytes] = {}
+        self._offering: asyncio.Task[None] | None = None
 
     # Plain requests -----------------------------------------------------------------------------------------------
 
@@ -146,6 +147,8 @@ class Reception:
                 desk.turn(_words(changes), lambda: talk.whatif(**changes))
             case name if name in TURNS:
                 desk.turn(TURNS[name], getattr(talk, name))
+            case "offers":
+                self._offering = asyncio.create_task(self._offer(page))
             case "asks":
                 desk.set_asks(order.on)
             case "speed":
@@ -161,6 +164,11 @@ class Reception:
                     raise BadInputError("the page that has the controls is still open")
             case _:
                 self._change(order)
+
+    async def _offer(self, page: Page) -> None:
+        """Tells a page what there is to choose from now; reading it from the disk must not hold up a stop."""
+        value = await asyncio.to_thread(self._offers)
+        self._hall.tell({"type": "offers", "value": value}, to=lambda other: other is page)
 
     def _change(self, order: Any) -> None:
         """Orders that open another world or session."""

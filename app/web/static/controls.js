@@ -55,7 +55,7 @@ function showStatus(page) {
 function wireDialogs(page, send) {
   const close = (id) => $(id).close();
   $("scene-open").onclick = () => { $("scene-seed").value = page.status.seed ?? 0; $("scene-dialog").showModal(); };
-  $("session-open").onclick = () => $("session-dialog").showModal();
+  $("session-open").onclick = () => { send({ type: "offers" }); $("session-dialog").showModal(); };
   $("picture-open").onclick = () => { $("picture-large").src = $("picture").dataset.whole; $("picture-dialog").showModal(); };
   $("scene-go").onclick = () => { send({ type: "scene", name: $("scene-pick").value, seed: Number($("scene-seed").value) || 0 }); close("scene-dialog"); };
   $("add-place").onchange = (event) => { $("add-x").disabled = $("add-y").disabled = !event.target.checked; };
@@ -73,9 +73,14 @@ function showOffers(page, send) {
   fill($("add-pick"), ...models.map((m) => h("option", { value: m }, m.replaceAll("_", " "))));
   const rows = sessions.map((s) => {
     const here = s.thread === page.status.thread;
+    // What is deleted is gone: the button asks once more.
+    const remove = (event) => {
+      if (event.target.textContent !== "Delete") act("delete")();
+      else event.target.textContent = "Really?";
+    };
     const act = (action) => () => { send({ type: "session", action, thread: s.thread }); if (action === "open") $("session-dialog").close(); };
-    return h("div", { class: "session" }, h("div", {}, h("b", {}, s.thread), here ? " (open)" : "", h("div", { class: "soft" }, `${s.scene || "?"} · seed ${s.seed} · ${s.turns} turns${s.last ? ` · “${s.last.slice(0, 60)}”` : ""}`)),
-      h("button", { type: "button", class: "small", disabled: here, onclick: act("open") }, "Open"), h("button", { type: "button", class: "small no", disabled: here, onclick: act("delete") }, "Delete"));
+    return h("div", { class: "session" }, h("div", {}, h("b", {}, s.thread), here ? " (open)" : "", h("div", { class: "soft" }, `${s.scene || "?"} · seed ${s.seed} · ${s.turns} ${s.turns === 1 ? "turn" : "turns"}${s.last ? ` · “${s.last.slice(0, 60)}”` : ""}`)),
+      h("button", { type: "button", class: "small", disabled: here, onclick: act("open") }, "Open"), h("button", { type: "button", class: "small no", disabled: here, onclick: remove }, "Delete"));
   });
   fill($("sessions"), ...(rows.length ? rows : [h("p", { class: "session soft" }, "No session is kept yet.")]));
 }
@@ -113,7 +118,7 @@ function wireReplay(page, send) {
   };
   const list = () => {
     const kept = run.value;
-    fill(run, ...(page.replays.length ? page.replays.map((r) => h("option", { value: r.run }, `${r.words} (${r.seconds} s)`)) : [h("option", { value: "" }, "no motion yet")]));
+    fill(run, ...(page.replays.length ? page.replays.map((r) => h("option", { value: r.run }, `${r.seconds} s: ${r.words.length > 20 ? `${r.words.slice(0, 19)}…` : r.words}`)) : [h("option", { value: "" }, "no motion yet")]));
     if (page.replays.some((r) => String(r.run) === kept)) run.value = kept;
     show();
   };

@@ -27,11 +27,12 @@ def _cookie(site: Any) -> str:
 def _connect(site: Any, path: str, **headers: str) -> Any:
     from websockets.sync.client import connect
 
-    protocols = [f"viser-v{__import__('viser').__version__}"] if path == "/view" else None
+    protocols: Any = [f"viser-v{__import__('viser').__version__}"] if path == "/view" else None
+    origin: Any = headers.pop("Origin", None)
     return connect(
-        f"ws://127.0.0.1:{site.port}{path}", additional_headers=headers, origin=headers.pop("Origin", None), proxy=None,
+        f"ws://127.0.0.1:{site.port}{path}", additional_headers=headers, origin=origin, proxy=None,
         subprotocols=protocols, max_size=None,
-    )  # type: ignore[arg-type]  # fmt: skip
+    )  # fmt: skip
 
 
 def _origin(site: Any) -> str:

@@ -56,7 +56,7 @@ def _idle(page: Any) -> None:
     _expect(page, "#state").to_have_text(re.compile("Live · ready"), timeout=WAIT)
 
 
-def test_a_command_streams_asks_and_is_judged(page: Any, site: Any) -> None:
+def _a_command_streams_asks_and_is_judged(page: Any, site: Any) -> None:
     """Steps stream in, the motion waits for approval with its numbers, an edit is carried out, the verdict follows."""
     assert "token" not in page.url
     page.check("#asks")
@@ -81,8 +81,7 @@ def test_a_command_streams_asks_and_is_judged(page: Any, site: Any) -> None:
     _expect(page, "#panel-memory").to_contain_text("cube")
 
 
-@pytest.mark.long
-def test_numbers_beyond_the_hand_cannot_be_approved(page: Any, site: Any) -> None:
+def _numbers_beyond_the_hand_cannot_be_approved(page: Any, site: Any) -> None:
     """The box does not send a force that the hand cannot do; rejecting moves nothing."""
     _idle(page)
     page.select_option("#speed", "0")
@@ -100,7 +99,7 @@ def test_numbers_beyond_the_hand_cannot_be_approved(page: Any, site: Any) -> Non
     assert site.desk.talk.agent.opened.motions == before
 
 
-def test_what_is_typed_stays_text(page: Any) -> None:
+def _what_is_typed_stays_text(page: Any) -> None:
     """Markup and escape sequences are shown as text; nothing of them becomes an element."""
     _idle(page)
     _say(page, "<img src=x onerror=alert(1)> <b>grab</b> \x1b[31mit")
@@ -110,19 +109,19 @@ def test_what_is_typed_stays_text(page: Any) -> None:
     assert page.locator("#log .entry b").count() == 0
 
 
-def test_stop_halts_physics_in_time_and_latches(page: Any, site: Any) -> None:
+def _stop_halts_physics_in_time_and_latches(page: Any, site: Any, *, stops: int) -> None:
     """Esc in the middle of a motion halts physics; nothing moves until Release; half of the stops take below 50 ms."""
     _idle(page)
     page.uncheck("#asks")
     page.select_option("#speed", "1")
     taken = []
-    for number in range(3):
+    for number in range(stops):
         _say(page, "put it back" if site.desk.talk.state.held else "pick up the cube")
         motions = site.desk.talk.agent.opened.motions
         deadline = time.monotonic() + 40
         while site.desk.talk.agent.opened.motions == motions and time.monotonic() < deadline:
             page.wait_for_timeout(20)
-        page.wait_for_timeout(150 + 130 * number)
+        page.wait_for_timeout(150 + 130 * number % 1700)
         if number == 1:
             page.click("#stop")
         else:
@@ -143,7 +142,7 @@ def test_stop_halts_physics_in_time_and_latches(page: Any, site: Any) -> None:
     assert median(taken) <= STOP_MS, taken
 
 
-def test_a_reload_finds_the_session_and_the_controls(page: Any) -> None:
+def _a_reload_finds_the_session_and_the_controls(page: Any) -> None:
     """After a reload the transcript, the attempts and the controls are there."""
     before = page.locator("#log .entry").count()
     page.reload()
@@ -151,10 +150,10 @@ def test_a_reload_finds_the_session_and_the_controls(page: Any) -> None:
     _expect(page, "#log .entry").to_have_count(before)
     _expect(page, "#log").to_contain_text("pick up the cube")
     page.click("#tab-attempts")
-    assert page.locator("#panel-attempts .attempt").count() >= 3
+    assert page.locator("#panel-attempts .attempt").count() >= 2
 
 
-def test_a_replay_shows_the_past_and_comes_back(page: Any, site: Any) -> None:
+def _a_replay_shows_the_past_and_comes_back(page: Any, site: Any) -> None:
     """The slider shows a recorded run and says so; it changes nothing in the world."""
     world = site.desk.talk.agent.opened.world
     moment = world.time
@@ -165,7 +164,7 @@ def test_a_replay_shows_the_past_and_comes_back(page: Any, site: Any) -> None:
     assert world.time == moment
 
 
-def test_a_second_page_may_only_look_and_stop(page: Any, context: Any, site: Any) -> None:
+def _a_second_page_may_only_look_and_stop(page: Any, context: Any, site: Any) -> None:
     """A second page is told who holds the controls; its field is off, its Stop is not."""
     second = context.new_page()
     second.goto(f"http://127.0.0.1:{site.port}/")
@@ -175,32 +174,33 @@ def test_a_second_page_may_only_look_and_stop(page: Any, context: Any, site: Any
     second.close()
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (820, 1180)])
-def test_nothing_is_cut_off(page: Any, size: tuple[int, int]) -> None:
+def _nothing_is_cut_off(page: Any) -> None:
     """At both sizes the page fits the window, and its parts lie beside each other, none outside."""
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    boxes = {
-        name: page.locator(name).bounding_box() for name in (".bar", ".stage", ".camera", ".panels", ".chat", "#stop")
-    }
-    for name, box in boxes.items():
-        assert box is not None, name
-        assert box["x"] >= 0, name
-        assert box["y"] >= 0, name
-        assert box["x"] + box["width"] <= size[0] + 1, name
-        assert box["y"] + box["height"] <= size[1] + 1, name
-        assert box["width"] > 100, name
-        assert box["height"] > 40, name
-    parts = [box for name, box in boxes.items() if name != "#stop"]
-    for number, a in enumerate(parts):
-        for b in parts[number + 1 :]:
-            apart = a["x"] + a["width"] <= b["x"] + 1 or b["x"] + b["width"] <= a["x"] + 1
-            assert apart or a["y"] + a["height"] <= b["y"] + 1 or b["y"] + b["height"] <= a["y"] + 1
+    for size in ((1280, 720), (820, 1180)):
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        boxes = {
+            name: page.locator(name).bounding_box()
+            for name in (".bar", ".stage", ".camera", ".panels", ".chat", "#stop")
+        }
+        for name, box in boxes.items():
+            assert box is not None, name
+            assert box["x"] >= 0, name
+            assert box["y"] >= 0, name
+            assert box["x"] + box["width"] <= size[0] + 1, name
+            assert box["y"] + box["height"] <= size[1] + 1, name
+            assert box["width"] > 100, name
+            assert box["height"] > 40, name
+        parts = [box for name, box in boxes.items() if name != "#stop"]
+        for number, a in enumerate(parts):
+            for b in parts[number + 1 :]:
+                apart = a["x"] + a["width"] <= b["x"] + 1 or b["x"] + b["width"] <= a["x"] + 1
+                assert apart or a["y"] + a["height"] <= b["y"] + 1 or b["y"] + b["height"] <= a["y"] + 1
     page.set_viewport_size(SIZE)
 
 
-def test_all_is_reached_by_the_keyboard(page: Any) -> None:
+def _all_is_reached_by_the_keyboard(page: Any) -> None:
     """Tab visits every control of the bar, the panels and the conversation."""
-    wanted = {"scene-open", "session-open", "speed", "asks", "stop", "view", "picture-open", "tab-attempts", "words"}
+    wanted = {"scene-open", "session-open", "speed", "asks", "stop", "view", "picture-open", "log", "words"}
     page.focus("#scene-open")
     reached: set[str] = set()
     for _ in range(150):
@@ -209,16 +209,19 @@ def test_all_is_reached_by_the_keyboard(page: Any) -> None:
         if wanted <= reached:
             break
     assert wanted <= reached
+    page.focus("#tab-attempts")
+    page.keyboard.press("ArrowRight")
+    _expect(page, "#panel-scene").to_be_visible()
 
 
-def test_nothing_was_fetched_from_elsewhere(page: Any, site: Any, asked: list[str]) -> None:
+def _nothing_was_fetched_from_elsewhere(site: Any, asked: list[str]) -> None:
     """All requests of all pages went to this server, or stayed in the browser."""
     assert asked
     own = (f"http://127.0.0.1:{site.port}/", f"ws://127.0.0.1:{site.port}/", "blob:", "data:")
     assert [address for address in asked if not address.startswith(own)] == []
 
 
-def test_another_process_finds_the_session(page: Any, site: Any, home: str) -> None:
+def _another_process_finds_the_session(page: Any, site: Any) -> None:
     """Closed and served again under the same thread, the page has the conversation, the memory and the replays."""
     from app.options import RunOptions
     from app.web.serve import Site
@@ -231,4 +234,36 @@ def test_another_process_finds_the_session(page: Any, site: Any, home: str) -> N
         _expect(page, "#log").to_contain_text(words[0], timeout=WAIT)
         assert [entry["text"] for entry in again.desk.transcript.entries if entry["kind"] == "said"] == words
         assert len(again.desk.replays.runs) == runs >= 1
+        assert again.desk.talk is not None
         assert again.desk.talk.memory
+
+
+def test_a_person_works_with_the_page(page: Any, context: Any, site: Any, asked: list[str]) -> None:
+    """One visit, in order: command, approval, verdict, markup, stop, reload, second page, layout, keyboard, restart."""
+    _a_command_streams_asks_and_is_judged(page, site)
+    _what_is_typed_stays_text(page)
+    _stop_halts_physics_in_time_and_latches(page, site, stops=2)
+    _a_reload_finds_the_session_and_the_controls(page)
+    _a_replay_shows_the_past_and_comes_back(page, site)
+    _a_second_page_may_only_look_and_stop(page, context, site)
+    _nothing_is_cut_off(page)
+    _all_is_reached_by_the_keyboard(page)
+    _nothing_was_fetched_from_elsewhere(site, asked)
+    _another_process_finds_the_session(page, site)
+
+
+@pytest.mark.long
+def test_more_stops_and_numbers(browser: Any, home: str) -> None:
+    """Twenty stops at different moments of the motion, and an approval box that refuses what the hand cannot do."""
+    from app.options import RunOptions
+    from app.web.serve import Site
+
+    with Site(RunOptions(scene="single_cube", seed=2, thread="stopped-often"), port=0) as served:
+        page = browser.new_page(viewport=SIZE)
+        page.set_default_timeout(WAIT)
+        page.goto(served.address)
+        _expect(page, "#holder").to_have_text("You control", timeout=WAIT)
+        _a_command_streams_asks_and_is_judged(page, served)
+        _numbers_beyond_the_hand_cannot_be_approved(page, served)
+        _stop_halts_physics_in_time_and_latches(page, served, stops=20)
+        page.close()
