@@ -119,6 +119,7 @@ def evaluate(
         Optional[Path],  # noqa: UP045
         typer.Option("--executed", metavar="FILE", help="Executed outcomes (default: beside the knowledge base)."),
     ] = None,
+    workers: Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")] = 2,
     quick: Annotated[
         bool, typer.Option("--quick", help="One view per object, nothing executed that was not executed before.")
     ] = False,
@@ -128,7 +129,14 @@ def evaluate(
     from app.evaluation import evaluate_retrieval
 
     evaluate_retrieval(
-        store, embedders=embedder, splits=splits, quick=quick, json_file=json_file, out=out, executed=executed
+        store,
+        embedders=embedder,
+        splits=splits,
+        quick=quick,
+        json_file=json_file,
+        out=out,
+        executed=executed,
+        workers=1 if quick else workers,
     )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 from typing import Literal
 
 import numpy as np
@@ -11,12 +13,11 @@ from numpy.typing import NDArray
 
 from kb.affordance import AffordanceDescriptor
 from kb.reference_views import ReferenceView, cropped
-from sim.catalogue import MODELS
 from sim.draw_scene import draw_scene
+from sim.ood_catalogue import FAR, NEAR
 from sim.robot import Robot
-from sim.scene_spec import ObjectSpec, SceneSpec
 from sim.world import World
-from tools.experience.trial import SPREAD
+from tools.experience.trial import trial_scene
 from tools.perceive import PerceiveArgs
 from tools.perception import RgbdPerceiver
 
@@ -70,10 +71,9 @@ class _Crops:
 
 def look_at(model: str, split: Split, seed: int) -> Query:
     """Draws an instance of a catalogue model somewhere on the table and perceives it from pixels."""
-    spec = SceneSpec(name=f"query_{model}", objects=(ObjectSpec(id="thing", model=model),), randomise=SPREAD)
-    placed = draw_scene(spec, seed)
+    placed = draw_scene(trial_scene(model), seed)
     world = World(placed)
-    thing = placed.objects[0]
+    thing = next(item for item in placed.objects if item.id == "thing")
     crops = _Crops()
     views = tuple(Robot(world).look(np.random.default_rng([seed, 7])))
     percept = RgbdPerceiver(crops).perceive(views, PerceiveArgs())
@@ -92,17 +92,31 @@ def look_at(model: str, split: Split, seed: int) -> Query:
 
 
 def make_queries(
-    splits: Sequence[Split], views: int = VIEWS, progress: Callable[[int, int, str], None] | None = None
+    splits: Sequence[Split],
+    views: int = VIEWS,
+    progress: Callable[[int, int, str], None] | None = None,
+    workers: int = 1,
 ) -> list[Query]:
     """All queries of the splits, in a fixed order; the same numbers give the same queries."""
     jobs: list[tuple[str, Split, int]] = [
         (model, split, seed) for model, split, seed in _jobs(views) if split in splits
     ]
+    if workers <= 1 or len(jobs) < 2:
+        return _collected(map(_look, jobs), len(jobs), progress)
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        return _collected(pool.map(_look, jobs, chunksize=2), len(jobs), progress)
+
+
+def _look(job: tuple[str, Split, int]) -> Query:
+    return look_at(*job)
+
+
+def _collected(found: Iterable[Query], count: int, progress: Callable[[int, int, str], None] | None) -> list[Query]:
     queries: list[Query] = []
-    for done, job in enumerate(jobs, start=1):
-        queries.append(look_at(*job))
+    for done, query in enumerate(found, start=1):
+        queries.append(query)
         if progress is not None:
-            progress(done, len(jobs), f"looks at {job[0]}")
+            progress(done, count, f"looks at {query.model}")
     return queries
 
 
@@ -116,7 +130,5 @@ def _jobs(views: int) -> list[tuple[str, Split, int]]:
 
 
 def models_of(split: Split) -> tuple[str, ...]:
-    """Catalogue names of a split's objects; empty where the catalogue has none."""
-    if split == "in":
-        return IN_DISTRIBUTION
-    return tuple(name for name in MODELS if getattr(MODELS[name], "split", None) == split)
+    """Names of a split's models."""
+    return {"in": IN_DISTRIBUTION, "near": tuple(NEAR), "far": tuple(FAR)}[split]

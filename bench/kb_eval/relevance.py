@@ -12,6 +12,8 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -58,13 +60,21 @@ class FunctionalRelevance:
                 found.setdefault(key, (model, entry))
         return list(found.values())
 
-    def fill(self, pairs: list[tuple[str, Experience]], progress: Progress | None = None) -> None:
-        """Executes the pairs and writes the file after every object."""
-        for done, (model, entry) in enumerate(pairs, start=1):
-            self._rates[key_of(model, entry.strategy)] = successes(model, entry.strategy)
+    def fill(self, pairs: list[tuple[str, Experience]], progress: Progress | None = None, workers: int = 1) -> None:
+        """Executes the pairs and writes the file now and then, so that an interrupted one goes on from there."""
+        jobs = [(model, entry.strategy) for model, entry in pairs]
+        if workers <= 1 or len(jobs) < 2:
+            self._collect(pairs, map(_executed, jobs), progress)
+            return
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            self._collect(pairs, pool.map(_executed, jobs, chunksize=4), progress)
+
+    def _collect(self, pairs: list[tuple[str, Experience]], results: Iterable[int], progress: Progress | None) -> None:
+        for done, ((model, entry), found) in enumerate(zip(pairs, results, strict=True), start=1):
+            self._rates[key_of(model, entry.strategy)] = found
             if progress is not None:
                 progress(done, len(pairs), f"{entry.id} executed on {model}")
-            if done == len(pairs) or done % 100 == 0:
+            if done == len(pairs) or done % 50 == 0:
                 self._save()
 
     def _save(self) -> None:
@@ -83,6 +93,10 @@ def key_of(model: str, strategy: Strategy) -> str:
     numbers = (round(strategy.tilt, 2), round(strategy.force, 1), round(strategy.depth, 2), round(strategy.speed, 2))
     text = f"{strategy.region} {strategy.type} {strategy.approach} {numbers}"
     return f"{model} {hashlib.sha256(text.encode()).hexdigest()[:12]}"
+
+
+def _executed(job: tuple[str, Strategy]) -> int:
+    return successes(*job)
 
 
 def successes(model: str, strategy: Strategy) -> int:

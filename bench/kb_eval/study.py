@@ -16,7 +16,7 @@ from bench.kb_eval.query import VIEWS, Query, Split, make_queries, models_of
 from bench.kb_eval.ranking import Fusion
 from bench.kb_eval.relevance import FunctionalRelevance
 from kb.embed_store import embedded_store
-from kb.errors import BadInputError, EnvironmentFaultError
+from kb.errors import EnvironmentFaultError
 from kb.experience import Experience
 from kb.open_embedder import CORE, open_embedder
 from kb.store import ExperienceStore
@@ -77,6 +77,8 @@ class Wanted:
     executed: Path | None = None
     """File of the executed outcomes; None: beside the knowledge base."""
     resamples: int = RESAMPLES
+    workers: int = 1
+    """Processes that look and execute."""
 
 
 def study(wanted: Wanted, progress: Progress | None = None) -> Study:
@@ -86,15 +88,13 @@ def study(wanted: Wanted, progress: Progress | None = None) -> Study:
         EnvironmentFaultError: the knowledge base or the file of outcomes cannot be used.
     """
     store = ExperienceStore.open(wanted.store)
-    splits: tuple[Split, ...] = tuple(split for split in wanted.splits if models_of(split))
-    if not splits:
-        raise BadInputError("the catalogue has no objects of these splits", where="--splits", choices=("in",))
-    queries = make_queries(splits, wanted.views, progress)
+    splits = wanted.splits
+    queries = make_queries(splits, wanted.views, progress, wanted.workers)
     executed = FunctionalRelevance(wanted.executed or executed_path(store))
     sights, told = _sights(wanted.embedders, store, queries)
     pairs = _pairs(queries, sights, executed, store)
     if wanted.execute:
-        executed.fill(executed.missing(pairs), progress)
+        executed.fill(executed.missing(pairs), progress, wanted.workers)
     parts = _parts(queries, sights, executed, splits, wanted.resamples)
     inside = [query for query in queries if query.split == "in"]
     numbers = [number for number, query in enumerate(queries) if query.split == "in"]

@@ -13,10 +13,9 @@ from kb.reference_views import ReferenceView, cropped, view_key
 from kb.shape_colour import ShapeColourEmbedder
 from sim.draw_scene import draw_scene
 from sim.robot import Robot
-from sim.scene_spec import ObjectSpec, SceneSpec
 from sim.world import World
 from tools.experience.recipe import category_plans
-from tools.experience.trial import SPREAD
+from tools.experience.trial import trial_scene
 from tools.oracle_perception import OraclePerceiver
 from tools.perceive import PerceiveArgs
 
@@ -73,8 +72,7 @@ def render_views(
 
 
 def _view(model: str, seed: int) -> ReferenceView | None:
-    spec = SceneSpec(name=f"trial_{model}", objects=(ObjectSpec(id="thing", model=model),), randomise=SPREAD)
-    world = World(draw_scene(spec, seed))
+    world = World(draw_scene(trial_scene(model), seed))
     rng = np.random.default_rng([seed, 1])
     taker = ViewTaker()
     OraclePerceiver(world, taker).perceive(tuple(Robot(world).look(rng, ("front",))), PerceiveArgs())

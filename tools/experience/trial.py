@@ -19,6 +19,7 @@ from kb.percept import Part, PerceivedObject
 from kb.vocabulary import FailureType
 from sim.draw_scene import draw_scene
 from sim.observer import Observer
+from sim.ood_catalogue import STAND
 from sim.robot import Robot
 from sim.scene_spec import ObjectSpec, Randomise, SceneSpec
 from sim.world import World
@@ -68,8 +69,7 @@ def run_trial(model: str, recipe: Recipe, seed: int, force: float, embedder: Emb
         force: Force of this trial [N].
         embedder: Makes the visual embedding of the front camera's view, if given.
     """
-    spec = SceneSpec(name=f"trial_{model}", objects=(ObjectSpec(id="thing", model=model),), randomise=SPREAD)
-    world = World(draw_scene(spec, seed))
+    world = World(draw_scene(trial_scene(model), seed))
     observer, robot = Observer(world), Robot(world)
     rng = np.random.default_rng([seed, 1])
     views = robot.look(rng, ("front",)) if embedder is not None else ()
@@ -84,6 +84,16 @@ def run_trial(model: str, recipe: Recipe, seed: int, force: float, embedder: Emb
     seen = observer.judge(world.attempt, "thing")
     depth = (grasp.position[2] - true.base_z) / true.size[2]
     return _outcome(true, grasp, force, depth, seen.success, seen.failure, max(0.0, sensed.load_end))
+
+
+def trial_scene(model: str) -> SceneSpec:
+    """One object of a model, called "thing", alone on the table; the dinner plate lies on its stand as in its scene."""
+    if model == "dinner_plate":
+        stand = ObjectSpec(id="stand", model=STAND.name)
+        things = (stand, ObjectSpec(id="thing", model=model, on=stand.id))
+    else:
+        things = (ObjectSpec(id="thing", model=model),)
+    return SceneSpec(name=f"trial_{model}", objects=things, randomise=SPREAD)
 
 
 def _outcome(
