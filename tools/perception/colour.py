@@ -21,7 +21,7 @@ _NAMES: tuple[tuple[str, float], ...] = (
 """Upper hue [deg] of each colour name on the hue circle."""
 
 
-YELLOWISH, VIVID = 38.0, 0.55
+YELLOWISH, VIVID = 42.0, 0.55
 """Hues [deg] from the first on, more saturated than the second, are a shaded yellow rather than brown."""
 
 
@@ -43,7 +43,7 @@ def colour_name(rgb: tuple[float, float, float]) -> str:
         return "black"
     if saturation < 0.16:
         return "white" if value > 0.66 else "grey"
-    if 10 <= hue < 48 and value < 0.72 and saturation < 0.8 and not (hue >= YELLOWISH and saturation > VIVID):
+    if 10 <= hue < 48 and value < 0.72 and saturation < 0.8 and not (hue > YELLOWISH and saturation > VIVID):
         return "brown"
     return next(name for name, upper in _NAMES if hue <= upper)
 
