@@ -25,8 +25,8 @@ Weights = Literal["auto", "bf16", "fp16", "fp32", "int8", "nf4"]
 Cache = Literal["bf16", "fp8"]
 NEEDED = ("torch", "transformers", "xgrammar")
 MEND = "pip install 'agentic-rag-vlm[models]'"
-KEPT_IN_16_BIT = ("visual", "vision_tower", "vision_model", "lm_head")
-"""Modules that are not quantised: pictures suffer most from it (ledger G34), and the head is tied to the embeddings."""
+KEPT_IN_16_BIT = ("visual", "model.visual", "model.vision_tower", "vision_tower", "vision_model", "lm_head")
+"""Modules, by the beginning of their names, that are not quantised: pictures suffer most from it (ledger G34), and the head is tied to the embeddings."""
 
 
 @dataclass(frozen=True)

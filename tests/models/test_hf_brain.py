@@ -1,0 +1,127 @@
+"""A tiny random Qwen3-VL, made on the spot: saved, loaded in NF4, bound to schemas with pictures, and a whole run through it."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.models
+
+FOLDER_OPTIONS = ["weights=fp32", "weights=nf4", "weights=int8", "weights=bf16&cache=fp8"]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> None:
+    """The models are tiny: threads would only fight over the cores."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The saved model."""
+    from agent.brains.random_model import make_random_model
+
+    return make_random_model(tmp_path_factory.mktemp("tiny"))
+
+
+def picture(seed: int) -> bytes:
+    """A PNG of noise."""
+    from PIL import Image
+
+    pixels = np.random.default_rng(seed).integers(0, 255, (48, 64, 3), dtype=np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("options", FOLDER_OPTIONS)
+def test_replies_are_valid_whatever_the_weights_and_the_cache(folder: Path, options: str) -> None:
+    """Two views in one prompt; every kind of short reply is valid by its schema and ends; the same prompt, the same reply."""
+    from agent.brains.chat import Message, Prompt
+    from agent.brains.hf_chat import open_hf_chat
+    from agent.brains.replies import MAX_TOKENS, AnswerReply, ReflectReply, ThinkReply, parse, schema_of
+
+    chat = open_hf_chat(f"{folder}?{options}")
+    assert chat.sees
+    for number, kind in enumerate((ThinkReply, ReflectReply, AnswerReply)):
+        views = (picture(number), picture(number + 9))
+        prompt = Prompt(
+            "x",
+            (Message("system", "Be brief."), Message("user", "See?", views)),
+            schema_of(kind),
+            MAX_TOKENS[kind],
+            300.0,
+        )
+        got = chat.reply(prompt)
+        assert isinstance(parse(got.text, kind), kind)
+        assert got.completion_tokens == chat.pace.tokens
+        assert got.prompt_tokens > 20
+    assert chat.reply(prompt).text == got.text
+
+
+def test_nf4_leaves_the_vision_tower_in_16_bit(folder: Path) -> None:
+    """Linear layers of the language model are 4-bit, none of the vision tower is."""
+    from bitsandbytes.nn import Linear4bit
+
+    from agent.brains.hf_chat import HfCfg, load
+
+    model, _ = load(HfCfg(str(folder), weights="nf4", device="cpu"))
+    quantised = [name for name, module in model.named_modules() if isinstance(module, Linear4bit)]
+    assert any("language_model" in name for name in quantised)
+    assert not any("visual" in name or "lm_head" in name for name in quantised)
+
+
+def test_a_time_limit_and_a_stop_end_the_reply(folder: Path) -> None:
+    """A reply that takes too long, or that the person ends, is a fault and no text."""
+    from agent.brain import BrainFaultError
+    from agent.brains.chat import Message, Prompt
+    from agent.brains.hf_chat import HfCfg, HfChat, load
+
+    model, processor = load(HfCfg(str(folder), weights="fp32", device="cpu"))
+    prompt = Prompt("x", (Message("user", "Hello"),), {}, 50, 10.0)
+    ticks = iter(range(0, 10_000, 6))
+    with pytest.raises(BrainFaultError, match="too slow"):
+        HfChat("hf:tiny", model, processor, clock=lambda: float(next(ticks))).reply(prompt)
+    with pytest.raises(BrainFaultError, match="stopped"):
+        HfChat("hf:tiny", model, processor, stopped=lambda: True).reply(prompt)
+
+
+def test_what_is_no_model_says_its_mend(tmp_path: Path) -> None:
+    """An empty folder, a wrong key and a wrong value."""
+    from agent.brains.hf_chat import open_hf_chat
+    from kb.errors import BadInputError, EnvironmentFaultError
+
+    with pytest.raises(EnvironmentFaultError, match="--brain hf:FOLDER"):
+        open_hf_chat(str(tmp_path))
+    with pytest.raises(BadInputError, match="weights, cache, device"):
+        open_hf_chat(f"{tmp_path}?bits=4")
+    with pytest.raises(BadInputError, match="nf4"):
+        open_hf_chat(f"{tmp_path}?weights=nf5")
+
+
+@pytest.mark.parametrize(("scene", "perception"), [("single_cube", "rgbd"), ("single_apple", "vlm")])
+def test_a_whole_run_is_valid_and_ends(folder: Path, scene: str, perception: Any) -> None:
+    """The model knows nothing, yet the run ends with a valid result, every model reply is valid JSON of its schema, and
+    nothing is moved with more force than the gate allows."""
+    import json
+
+    from agent import build_agent
+    from agent.safety.limits import BrainLimits
+    from kb.run_result import RunResult
+
+    steps: list[Any] = []
+    brain = f"hf:{folder}?weights=fp32"
+    robot = build_agent(scene, 10_001, brain=brain, perception=perception, brain_limits=BrainLimits(refusals=1))
+    result = robot.run(f"pick up the {scene.removeprefix('single_')}", steps.append)
+    assert RunResult.model_validate_json(result.model_dump_json()).model_dump_json() == result.model_dump_json()
+    calls = [step for step in steps if step.kind == "model_call"]
+    assert calls
+    assert all(isinstance(json.loads(call.exchange.reply), dict) for call in calls)
+    assert result.damage_events == 0
+    assert result.answer
