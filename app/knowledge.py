@@ -186,6 +186,7 @@ def build_store(out: Path, *, workers: int, trials: int, categories: tuple[str, 
     new_store(entries, embedder=embedder.name, dim=embedder.dim, path=out).save(out)
     good = sum(entry.success for entry in entries)
     console.print(f"{len(entries)} experiences, {good} successes and {len(entries) - good} failures, in {out}")
+    render_reference_views(out)
 
 
 def render_reference_views(path: Path | None) -> None:

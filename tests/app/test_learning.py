@@ -1,0 +1,81 @@
+"""Learning from the command line: a session that learns, and the commands that look at what was learnt."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from app.command_line import run_command_line
+from app.options import RunOptions
+from app.session import Session
+from kb.errors import EnvironmentFaultError
+from kb.learned import LearnedBase
+
+WORDS = "pick up the cube"
+
+
+def session(folder: Path) -> Session:
+    """A quick world, with a learning knowledge base of its own."""
+    return Session(
+        RunOptions(
+            scene="single_cube", seed=10003, evaluator="analytic", perception="oracle", kb=str(folder), learn=True
+        )
+    )
+
+
+def test_a_run_that_learns_enters_its_attempts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A claimed success is lifted again and entered as a lesson; result and world stay what they were without learning;
+    log, diff and rollback show it."""
+    folder = tmp_path / "kb"
+    with session(folder) as talk:
+        steps = list(talk.stream(WORDS))
+        result, motions = talk.result, talk._agent.opened.motions
+    with Session(RunOptions(scene="single_cube", seed=10003, evaluator="analytic", perception="oracle")) as plain:
+        list(plain.stream(WORDS))
+        assert result.goals[0].attempts[0].grasp == plain.result.goals[0].attempts[0].grasp
+        assert motions == plain._agent.opened.motions
+    assert any("lift it again" in step.text for step in steps)
+    base = LearnedBase.open(folder)
+    lesson = base.journal.changes[1].lesson
+    assert lesson is not None
+    assert (lesson.category, lesson.claimed, lesson.confirmed, lesson.seed) == ("cube", True, True, 10003)
+    assert run_command_line(["kb", "log", "--kb", str(folder), "--all", "--json"]) == 0
+    assert [row["kind"] for row in json.loads(capsys.readouterr().out)] == ["began", "lesson"]
+    assert run_command_line(["kb", "diff", "0", "1", "--kb", str(folder)]) == 0
+    assert "cube" in capsys.readouterr().out
+    assert run_command_line(["kb", "rollback", "0", "--kb", str(folder)]) == 0
+    assert run_command_line(["kb", "show", "--store", str(folder)]) == 0
+    assert len(capsys.readouterr().out.splitlines()) >= 116
+
+
+def test_learning_says_what_it_cannot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file instead of a folder, a server beside a folder, a damaged journal: one line, exit 2 or 3."""
+    file = tmp_path / "kb.jsonl"
+    file.write_text("x")
+    for words, code in (
+        (["--learn", "--kb", str(file)], 2),
+        (["--learn", "--kb-url", "http://127.0.0.1:1"], 2),
+        (["--kb", str(tmp_path / "none.jsonl")], 3),
+        (["--embedder", "eyes"], 2),
+    ):
+        assert run_command_line(["run", WORDS, "--dry-run", *words]) == code
+        assert capsys.readouterr().err.count("\n") == 1
+    LearnedBase.begin(tmp_path / "kb")
+    (tmp_path / "kb" / "journal.jsonl").write_text("rubbish\n")
+    with pytest.raises(EnvironmentFaultError, match="damaged"):
+        session(tmp_path / "kb")
+
+
+@pytest.mark.long
+def test_an_object_is_taught(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`kb add` grasps the object ten times and adds at least one entry of its name; a second time it gets another id."""
+    folder = tmp_path / "kb"
+    words = ["kb", "add", "die", "--scene", "single_cube", "--object", "cube", "--kb", str(folder)]
+    assert run_command_line(words) == 0
+    assert run_command_line(words) == 0
+    taught = [entry for entry in LearnedBase.open(folder).store().all() if entry.category == "die"]
+    assert len(taught) >= 2
+    assert sum(entry.n_trials for entry in taught) <= 20
+    assert "succeeded" in capsys.readouterr().out
