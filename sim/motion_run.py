@@ -33,6 +33,8 @@ SLOW = 0.05
 """Joint speed from which an arm may be stopped at once [rad/s]."""
 BRAKE_S = 0.12
 """Time over which the command slows down when nothing was hit [s]: a sudden stop from full speed saturates the motors."""
+STOP_WALL_S = 0.03
+"""Wall time after a person's stop at which the physics stands still [s]; the promise is 0.05."""
 LAG_LIMIT = 0.02
 """Lag of a joint behind its command that means a collision [rad]; free motions stay below 0.006."""
 BACK_OFF_S = 0.5
@@ -136,12 +138,22 @@ class MotionRun:
             return
         t = TIMESTEP * np.arange(1, steps(BRAKE_S) + 1)[:, None]
         here = self.commanded
-        self.world.run(follow(here + speed * (t - t * t / (2 * BRAKE_S)), self.grip, here), phase)
+        self.world.run(
+            follow(here + speed * (t - t * t / (2 * BRAKE_S)), self.grip, here), phase, self._overdue, every=1
+        )
 
     def halt(self, phase: Phase) -> None:
-        """Brings the arm to rest where it is; the gripper keeps its command and force."""
+        """Brings the arm to rest where it is; the gripper keeps its command and force.
+
+        After a person's stop the physics itself stands still `STOP_WALL_S` later at the latest, at rest or not: the command
+        to hold stays, and nothing steps the world until it is released.
+        """
         here = self.world.read("robot/joint_position")
-        self.world.run(hold(here, self.grip, HALT_S), phase)
+        self.world.run(hold(here, self.grip, HALT_S), phase, self._overdue, every=1)
+
+    def _overdue(self, _: int) -> str | None:
+        """Whether a person's stop has waited long enough for the physics to stand still."""
+        return "halted" if self.stop.waited > STOP_WALL_S else None
 
     def run_guarded(
         self, joints: Array, opening: float, phase: Phase, limit: float, *, back: float = BACK_OFF_S

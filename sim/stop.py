@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 
 
 class StopSwitch:
@@ -10,14 +11,22 @@ class StopSwitch:
 
     def __init__(self) -> None:
         self._pressed = threading.Event()
+        self._since = 0.0
 
     def press(self) -> None:
         """Stops the robot; may be called from any thread and more than once."""
+        if not self._pressed.is_set():
+            self._since = time.monotonic()
         self._pressed.set()
 
     def release(self) -> None:
         """Allows motion again. Nothing moves by itself after that."""
         self._pressed.clear()
+
+    @property
+    def waited(self) -> float:
+        """Wall time since it was pressed [s]; 0 while it is not."""
+        return time.monotonic() - self._since if self._pressed.is_set() else 0.0
 
     @property
     def pressed(self) -> bool:
