@@ -17,6 +17,8 @@ CAP = 0.75
 """A round cap on a body that is not round is narrower than this share of the body's narrow side."""
 ALIGNED = 10.0
 """Angle up to which two pieces are parallel or square to each other [deg]."""
+ALIKE, SLAB = 0.15, 2.5
+"""Relative difference of lengths and heights of two slabs, and their height over their thickness."""
 ABUTS = 0.012
 """Free distance of two pieces that lie end to end [m]."""
 SLICE, COVERS = 0.022, 0.6
@@ -45,6 +47,8 @@ def is_part_of(upper: Measured, lower: Measured, both: Measured) -> bool:
 
 def continues(one: Measured, two: Measured) -> bool:
     """Whether two pieces that touch side by side are one thing: the axis of one runs through the middle of the other."""
+    if _slabs(one, two):
+        return True
     for first, second in ((one, two), (two, one)):
         x, _ = np.abs(first.box.local(second.box.centre[None])[0, :2])
         if first.is_round or not _symmetric(second, first):
@@ -54,6 +58,17 @@ def continues(one: Measured, two: Measured) -> bool:
         if -0.3 * half < x - float(first.box.size[0]) / 2 - half < ABUTS:
             return True
     return False
+
+
+def _slabs(one: Measured, two: Measured) -> bool:
+    """Two upright slabs of the same length and height, face to face: the cover and the rest of a book."""
+    if one.is_round or two.is_round or _angle(one, two) > 2.0 * ALIGNED:
+        return False
+    long = abs(float(one.box.size[0] / two.box.size[0]) - 1.0) < ALIKE
+    high = abs((one.top - one.base) / (two.top - two.base) - 1.0) < ALIKE
+    thin = max(float(one.box.size[1]), float(two.box.size[1]))
+    tall = min(one.top - one.base, two.top - two.base) > SLAB * thin
+    return long and high and tall and float(np.hypot(*(one.box.centre - two.box.centre)[:2])) < thin
 
 
 def _within(upper: Measured, lower: Measured) -> bool:

@@ -45,6 +45,9 @@ FEWEST_EMBEDDED = 60
 WIDEST_HANDLE = 0.040
 """What is thicker is no handle but the head of a tool [m]."""
 
+FOAMY = 2.0
+"""Density of the lightest things that one expects over that of the lightest foam."""
+
 SOLIDITY = 0.8
 """Share of hull area times height that an unknown object is taken to fill, for its mass."""
 
@@ -183,9 +186,9 @@ def shape_of(m: Measured) -> Shape:
 
 
 def _mass_of_unknown(m: Measured) -> tuple[float, float]:
-    """Mass range [kg] from the volume and the density of things of unknown material."""
+    """Mass range [kg] from the volume: anything between a hollow or foamy thing and a solid of mixed material."""
     volume = m.outline.hull_area * (m.top - m.base) * SOLIDITY * (0.35 if m.hollow > 0 else 1.0)
-    low, high = density("mixed")
+    low, high = density("foam")[0] * FOAMY, density("mixed")[1]
     return float(max(low * volume, 0.003)), float(max(high * volume, 0.01))
 
 

@@ -23,8 +23,6 @@ EASY_FACTOR = 3.5
 """Without any experience: this many times the no-slip minimum, within the cap (measured on the catalogue)."""
 LEAST_FORCE = 4.0
 """Without any experience the fingers close with at least this force [N], if the object bears it."""
-UNKNOWN_MASS = 1.2
-"""Factor on the lower end of an unknown object's mass."""
 TWIST_RADIUS = 0.014
 """Effective radius at which a pad's friction resists turning about the closing axis [m]: pads are 18 x 18 mm (measured: a cup
 0.07 m beside its weight is carried by 12 N)."""
@@ -160,11 +158,11 @@ def force_cap(fragility: float) -> float:
 def expected_mass(subject: PerceivedObject) -> float:
     """Mass to reckon with before the first contact [kg]: the middle of the range.
 
-    Of a thing of no known category the range is that of solid bodies of all materials, of which most things are hollow:
-    its lower end counts, and the test lift tells the rest.
+    Of a thing of no known category the range spans more than a decade, so the middle is the geometric one; the test lift
+    tells the rest.
     """
     if subject.category == UNKNOWN_CATEGORY:
-        return UNKNOWN_MASS * subject.mass[0]
+        return math.sqrt(subject.mass[0] * subject.mass[1])
     return sum(subject.mass) / 2
 
 
