@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from app.commands import bench, chat, doctor, kb, objects, run, scenes, serve, show, tools
+from app.commands import bench, bench_brain, chat, doctor, kb, objects, run, scenes, serve, show, tools
 from app.exit_codes import INTERRUPTED, USAGE, code_of_fault
 
 _ClickException: type[Exception] = typer.BadParameter.__mro__[2]
@@ -29,6 +29,7 @@ app.command("run")(run.run)
 app.command("chat")(chat.chat)
 app.command("serve")(serve.serve)
 app.command("bench")(bench.bench)
+app.command("bench-brain")(bench_brain.bench_brain)
 app.add_typer(kb.app, name="kb")
 app.command("show")(show.show)
 app.command("scenes")(scenes.scenes)

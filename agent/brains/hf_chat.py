@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import io
 import json
+import logging
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib.util import find_spec
@@ -226,6 +228,7 @@ def load(config: HfCfg) -> tuple[Any, Any]:
     import torch  # pyright: ignore[reportMissingImports]
     from transformers import AutoModelForImageTextToText, AutoProcessor  # pyright: ignore[reportMissingImports]
 
+    quiet()
     device = config.device if config.device != "auto" else ("cuda" if torch.cuda.is_available() else "cpu")
     weights = config.weights if config.weights != "auto" else ("nf4" if device == "cuda" else "stored")
     if weights in ("int8", "nf4") and find_spec("bitsandbytes") is None:
@@ -245,11 +248,23 @@ def load(config: HfCfg) -> tuple[Any, Any]:
     return model.eval(), processor
 
 
+def quiet() -> None:
+    """Progress bars and warnings of the libraries do not belong into what a person reads."""
+    from transformers.utils import logging as told  # pyright: ignore[reportMissingImports]
+
+    told.disable_progress_bar()
+    for name in ("transformers", "bitsandbytes", "torchao"):
+        logging.getLogger(name).setLevel(logging.ERROR)
+    warnings.filterwarnings("ignore", module=r"bitsandbytes|transformers")
+
+
 def _dtype(weights: str) -> Any:
     """Type of what is not quantised."""
     import torch  # pyright: ignore[reportMissingImports]
 
-    return {"fp16": torch.float16, "fp32": torch.float32, "stored": "auto"}.get(weights, torch.bfloat16)
+    return {"fp16": torch.float16, "int8": torch.float16, "fp32": torch.float32, "stored": "auto"}.get(
+        weights, torch.bfloat16
+    )
 
 
 def _quantization(weights: str) -> Any:

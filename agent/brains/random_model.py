@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from agent.brains.hf_chat import quiet
+
 Shape = Literal["tiny", "qwen3-vl-2b", "qwen3-vl-4b", "qwen3-vl-8b"]
 
 
@@ -66,6 +68,7 @@ def make_random_model(folder: Path, shape: Shape = "tiny", *, seed: int = 0) -> 
     import torch  # pyright: ignore[reportMissingImports]
     from transformers import Qwen3VLForConditionalGeneration  # pyright: ignore[reportMissingImports]
 
+    quiet()
     processor = make_processor(SHAPES[shape])
     processor.save_pretrained(folder)
     generator = torch.random.fork_rng()
