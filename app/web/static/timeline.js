@@ -65,6 +65,6 @@ export function showAttempts(rows, send) {
   order = send;
   const panel = $("panel-attempts");
   if (!rows.length) return fill(panel, h("p", { class: "empty" }, "Every motion appears here with the forces that the fingers and the wrist felt, what the robot claims, and what the observer saw."));
-  const legend = h("p", {}, h("span", { style: `color:${GRIP};font-weight:650` }, "▬ fingers"), " ", h("span", { style: `color:${WRIST};font-weight:650` }, "╌ wrist"), h("span", { class: "soft" }, " force [N] over simulated time, latest first"));
-  fill(panel, rows.some((row) => row.tool === "execute_grasp" && row.state !== "moving") ? form : null, legend, ...rows.map((row, index) => card(row, index + 1)).reverse());
+  const legend = h("span", { title: "Forces that were felt, over simulated time; the latest motion first" }, h("span", { style: `color:${GRIP};font-weight:650` }, "▬ fingers"), " ", h("span", { style: `color:${WRIST};font-weight:650` }, "╌ wrist"), h("span", { class: "soft" }, " N"));
+  fill(panel, h("div", { class: "topline" }, rows.some((row) => row.tool === "execute_grasp" && row.state !== "moving") ? form : null, legend), ...rows.map((row, index) => card(row, index + 1)).reverse());
 }
