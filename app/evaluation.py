@@ -16,7 +16,7 @@ QUICK_RESAMPLES = 200
 
 def evaluate_retrieval(
     store: Path | None, *, embedders: str, splits: str, quick: bool, json_file: str | None, out: Path | None,
-    executed: Path | None, workers: int,
+    executed: Path | None, workers: int, again: bool,
 ) -> None:  # fmt: skip
     """Runs the evaluation with progress on standard error and prints its main table.
 
@@ -47,7 +47,8 @@ def evaluate_retrieval(
         Wanted(
             store=store, embedders=tuple(word.strip() for word in embedders.split(",") if word.strip()),
             splits=tuple(split for split in get_args(Split) if split in wanted), views=1 if quick else VIEWS,
-            execute=not quick, executed=executed, workers=workers, resamples=QUICK_RESAMPLES if quick else 2000,
+            execute=not quick, executed=executed, workers=workers,
+            again=again, resamples=QUICK_RESAMPLES if quick else 2000,
         ),
         told,
     )  # fmt: skip

@@ -120,6 +120,7 @@ def evaluate(
         typer.Option("--executed", metavar="FILE", help="Executed outcomes (default: beside the knowledge base)."),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")] = 2,
+    again: Annotated[bool, typer.Option("--again", help="Execute everything anew: the physics changed.")] = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="One view per object, nothing executed that was not executed before.")
     ] = False,
@@ -137,6 +138,7 @@ def evaluate(
         out=out,
         executed=executed,
         workers=1 if quick else workers,
+        again=again,
     )
 
 

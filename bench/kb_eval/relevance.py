@@ -13,6 +13,7 @@ import json
 import math
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
+from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -37,12 +38,22 @@ Progress = Callable[[int, int, str], None]
 class FunctionalRelevance:
     """Successes of ten per (object, strategy), read from a file and filled on demand."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, again: bool = False) -> None:
+        """Reads the file; `again` leaves it aside and executes everything anew.
+
+        Raises:
+            EnvironmentFaultError: the file is damaged.
+        """
         self._path = path
         self._rates: dict[str, int] = {}
-        if path.exists():
+        self.code = code_digest()
+        """Digest of the code that executed the outcomes; "mixed" if several versions did."""
+        if path.exists() and not again:
             try:
-                self._rates = {str(key): int(value) for key, value in json.loads(path.read_text())["successes"].items()}
+                kept = json.loads(path.read_text())
+                self._rates = {str(key): int(value) for key, value in kept["successes"].items()}
+                if self._rates and kept.get("code") != self.code:
+                    self.code = "mixed"
             except (OSError, ValueError, KeyError, AttributeError) as error:
                 what = f"the executed outcomes {path} cannot be read: {error}"
                 raise EnvironmentFaultError(what, mend=f"delete {path}, and they are executed again") from error
@@ -79,13 +90,27 @@ class FunctionalRelevance:
 
     def _save(self) -> None:
         try:
-            text = json.dumps({"trials": TRIALS, "successes": dict(sorted(self._rates.items()))}, indent=0)
+            kept = {"trials": TRIALS, "code": self.code, "successes": dict(sorted(self._rates.items()))}
+            text = json.dumps(kept, indent=0)
             building = self._path.with_name(f".{self._path.name}.new")
             building.write_text(text + "\n")
             building.replace(self._path)
         except OSError as error:
             what = f"the executed outcomes cannot be written to {self._path}: {error.strerror}"
             raise EnvironmentFaultError(what, mend="give a path that can be written: --executed FILE") from error
+
+
+@cache
+def code_digest() -> str:
+    """Digest of the sources of the world and of the trials: outcomes of other code may differ."""
+    import sim
+    import tools.experience
+
+    digest = hashlib.sha256()
+    for package in (sim, tools.experience):
+        for file in sorted(Path(str(package.__file__)).parent.rglob("*.py")):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def key_of(model: str, strategy: Strategy) -> str:

@@ -38,7 +38,7 @@ def as_json(study: Study) -> dict[str, Any]:
             split: {"queries": n, "seen": seen, "category_right": right}
             for split, (n, seen, right) in study.perceived.items()
         },
-        "executed": {"pairs": study.executed[0], "missing": study.executed[1]},
+        "executed": {"pairs": study.executed[0], "missing": study.executed[1], "present_code": study.current},
         "parts": [
             {
                 "split": part.split,
@@ -176,7 +176,8 @@ def _facts(study: Study) -> dict[str, str]:
             f"{n} queries, {seen} seen, {right} perceived as their category"
         )
     pairs, missing = study.executed
-    facts["Executed"] = f"{pairs - missing} of {pairs} pairs of object and strategy, ten trials each"
+    by = "" if study.current else ", some by earlier code (--again executes all anew)"
+    facts["Executed"] = f"{pairs - missing} of {pairs} pairs of object and strategy, ten trials each{by}"
     facts["Embedders"] = "; ".join(f"{name}: {title}" for name, title in study.embedders.items())
     return facts
 

@@ -14,7 +14,7 @@ from bench.kb_eval.evaluate import Setting, Sight, evaluate, judge, make_sight, 
 from bench.kb_eval.measure_ranking import RESAMPLES, Mean
 from bench.kb_eval.query import VIEWS, Query, Split, make_queries, models_of
 from bench.kb_eval.ranking import Fusion
-from bench.kb_eval.relevance import FunctionalRelevance
+from bench.kb_eval.relevance import FunctionalRelevance, code_digest
 from kb.embed_store import embedded_store
 from kb.errors import EnvironmentFaultError
 from kb.experience import Experience
@@ -57,6 +57,8 @@ class Study:
     tau_sweep: list[dict[str, float]]
     weight_sweep: list[dict[str, float]]
     machine: str
+    current: bool = True
+    """The executed outcomes were made by the present code of world and trials."""
 
     def part(self, split: Split, **setting: Any) -> Part | None:
         """The part of a split and setting, or None."""
@@ -74,6 +76,8 @@ class Wanted:
     views: int = VIEWS
     execute: bool = True
     """Execute the strategies that have no outcome yet."""
+    again: bool = False
+    """Execute all anew."""
     executed: Path | None = None
     """File of the executed outcomes; None: beside the knowledge base."""
     resamples: int = RESAMPLES
@@ -90,7 +94,7 @@ def study(wanted: Wanted, progress: Progress | None = None) -> Study:
     store = ExperienceStore.open(wanted.store)
     splits = wanted.splits
     queries = make_queries(splits, wanted.views, progress, wanted.workers)
-    executed = FunctionalRelevance(wanted.executed or executed_path(store))
+    executed = FunctionalRelevance(wanted.executed or executed_path(store), again=wanted.again)
     sights, told = _sights(wanted.embedders, store, queries)
     pairs = _pairs(queries, sights, executed, store)
     if wanted.execute:
@@ -111,6 +115,7 @@ def study(wanted: Wanted, progress: Progress | None = None) -> Study:
         parts=parts,
         tau_sweep=sweep(judged, sights[0].word, [Fusion(tau=tau) for tau in TAUS]),
         weight_sweep=sweep(judged, sights[0].word, weight_grid()),
+        current=executed.code == code_digest(),
         machine=f"{platform.machine()}, Python {platform.python_version()}",
     )
 
