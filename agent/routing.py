@@ -36,7 +36,8 @@ def after_ground(
         return "look"
     goal = state.goal
     if goal.kind in ("look", "answer"):
-        return "build_graph" if goal.target and goal.query in ("where", "near") else "conclude"
+        in_hand = state.held is not None and goal.target == state.held.object.id
+        return "build_graph" if goal.target and not in_hand and goal.query in ("where", "near") else "conclude"
     if goal.kind in ("clear", "sort"):
         if goal.reference is None or not goal.reference.ids:
             return "ground"
