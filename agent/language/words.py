@@ -51,6 +51,8 @@ COMMON = (
     "went gone came come goes gave given took taken held kept fell broke felt knew made makes told said asked wanted liked "
     "tried used looked worked seemed maybe perhaps really quite rather somehow actually sorry mean meant reasoning strategy "
     "enough newton plus minus times already still ever just being having doing getting going anyone everyone someone "
+    "pinch power grasp grip rim lip brim stem neck handle body belly gentle gentler gently softer lighter firmer tighter looser "
+    "slower faster quicker yaw aperture opening wider candidate attempt attempts compare report summary forget remember "
     "touch avoid protect mind leave keep spill break careful nothing nobody nowhere anywhere somewhere somebody"
 ).split()
 """Ordinary English words that are never taken for typos of something else."""
