@@ -22,7 +22,12 @@ COLUMNS = (
     ("affordance_match_at_5", "type @5"), ("r_func_p_at_1", "R-func P@1"), ("r_func_p_at_3", "R-func P@3"),
     ("r_func_mrr", "R-func MRR"), ("ndcg", "nDCG@10"),
 )  # fmt: skip
-SPLITS = {"in": "the twelve objects of Table I", "near": "Near-OOD objects", "far": "Far-OOD objects"}
+SPLITS = {
+    "in": "the twelve objects of Table I",
+    "near": "Near-OOD objects",
+    "far": "Far-OOD objects",
+    "ood": "all OOD objects",
+}
 
 
 def as_json(study: Study) -> dict[str, Any]:
@@ -79,7 +84,7 @@ def title_of(part: Part) -> str:
     """What a part is, in words."""
     words = [SPLITS[part.split]]
     words.append("true descriptors" if part.setting.true_descriptors else "perceived descriptors")
-    if part.split == "far":
+    if part.split in ("far", "ood"):
         words.append(f"taxonomy {part.setting.taxonomy}")
     if part.setting.leave_out:
         words.append("own category left out")
@@ -150,13 +155,16 @@ def findings(study: Study) -> list[Finding]:
 
 
 def _against(part: Part, rival: str) -> Finding:
-    """HAA-RAG against one system on R-func P@1, by intervals over objects."""
-    mine, other = part.systems["haa"]["r_func_p_at_1"], part.systems[rival]["r_func_p_at_1"]
+    """HAA-RAG against one system on R-func P@1 (R-aff where not all was executed), by intervals over objects."""
+    haa, theirs = part.systems["haa"], part.systems[rival]
+    known = not (math.isnan(haa["r_func_p_at_1"].value) or math.isnan(theirs["r_func_p_at_1"].value))
+    key, word = ("r_func_p_at_1", "R-func P@1") if known else ("p_at_1", "R-aff P@1 (not all executed)")
+    mine, other = haa[key], theirs[key]
     apart = mine.low_by_object > other.high_by_object
     mark = "shown" if apart else "worse" if mine.value < other.value else "not shown"
     how = "the intervals do not overlap" if apart else "the intervals overlap"
     name = rival.replace("_", " ")
-    said = f"{title_of(part)}: R-func P@1 {_cell(mine)} with HAA-RAG, {_cell(other)} with {name}; {how}."
+    said = f"{title_of(part)}: {word} {_cell(mine)} with HAA-RAG, {_cell(other)} with {name}; {how}."
     return Finding(mark, said[0].upper() + said[1:])
 
 

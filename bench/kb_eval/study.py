@@ -6,7 +6,7 @@ import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,7 +35,8 @@ STEP = 0.1
 class Part:
     """One setting on one split."""
 
-    split: Split
+    split: Split | Literal["ood"]
+    """"ood": near and far together."""
     setting: Setting
     queries: int
     objects: int
@@ -113,8 +114,8 @@ def study(wanted: Wanted, progress: Progress | None = None) -> Study:
         perceived={split: _perceived([query for query in queries if query.split == split]) for split in splits},
         executed=(len(pairs), len(executed.missing(pairs))),
         parts=parts,
-        tau_sweep=sweep(judged, sights[0].word, [Fusion(tau=tau) for tau in TAUS]),
-        weight_sweep=sweep(judged, sights[0].word, weight_grid()),
+        tau_sweep=sweep(judged, sights[0].word, [Fusion(tau=tau) for tau in TAUS]) if judged else [],
+        weight_sweep=sweep(judged, sights[0].word, weight_grid()) if judged else [],
         current=executed.code == code_digest(),
         machine=f"{platform.machine()}, Python {platform.python_version()}",
     )
@@ -160,8 +161,8 @@ def _sights(
     return sights, told
 
 
-def _settings(split: Split) -> list[Setting]:
-    names: tuple[TaxonomyName, ...] = ("known", "blind") if split == "far" else ("known",)
+def _settings(split: Split | Literal["ood"]) -> list[Setting]:
+    names: tuple[TaxonomyName, ...] = ("known", "blind") if split in ("far", "ood") else ("known",)
     settings = [Setting(taxonomy=name, true_descriptors=true) for name in names for true in (False, True)]
     return [*settings, Setting(leave_out=True)] if split == "in" else settings
 
@@ -197,8 +198,11 @@ def _parts(
     resamples: int,
 ) -> tuple[Part, ...]:
     parts: list[Part] = []
-    for split in splits:
-        numbers = [number for number, query in enumerate(queries) if query.split == split]
+    groups: list[tuple[Split | Literal["ood"], tuple[Split, ...]]] = [(split, (split,)) for split in splits]
+    if set(OUTSIDE) <= set(splits):
+        groups.append(("ood", OUTSIDE))
+    for split, members in groups:
+        numbers = [number for number, query in enumerate(queries) if query.split in members]
         mine = [queries[number] for number in numbers]
         seen = [_of(sight, numbers) for sight in sights]
         for setting in _settings(split):
