@@ -55,7 +55,9 @@ class Grasp(Noun):
         """Rotation hand-to-world, shape (3, 3): columns x (across the fingers), y (closing axis), z (approach)."""
         z = np.asarray(self.approach, float) / np.linalg.norm(self.approach)
         y = self.closing_axis()
-        return np.column_stack([np.cross(y, z), y, z])
+        (y0, y1, y2), (z0, z1, z2) = y.tolist(), z.tolist()
+        # The cross product y x z, written out: numpy's own costs more than everything else here.
+        return np.array([[y1 * z2 - y2 * z1, y0, z0], [y2 * z0 - y0 * z2, y1, z1], [y0 * z1 - y1 * z0, y2, z2]])
 
 
 def closing_axis(approach: Vec3 | NDArray[np.float64], yaw: float) -> NDArray[np.float64]:

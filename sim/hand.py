@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,27 +69,117 @@ def approach_time(distance: float, speed: float) -> float:
     return max(0.25, 15.0 / 8.0 * distance / (FULL_SPEED * speed))
 
 
-def _distances(x: Array, y: Array, z: Array, aperture: float, standoff: float) -> Array:
-    """Signed distance of points to the hand stretched back along its approach by `standoff`, same shape as x, y, z.
+_BESIDE = np.array([0.0 for _ in PALM_BOXES] + [centre[1] for centre, _ in FINGER_BOXES])[:, None]
+_OPENS = np.array([0.0 for _ in PALM_BOXES] + [0.5 for _ in FINGER_BOXES])[:, None]
+_ALONG = np.array([c[2] for c, _ in PALM_BOXES] + [c[2] + FINGER_OFFSET for c, _ in FINGER_BOXES])[:, None]
+_HALF_X, _HALF_Y, _HALF_Z = np.array([half for _, half in (*PALM_BOXES, *FINGER_BOXES)]).T[:, :, None]
+"""The boxes in the quadrant of |x|, |y|, one a row (5, 1) [m]."""
 
-    Coordinates are in the hand's axes about the tool point. The hand is its own mirror image in x and y, so five boxes
-    in the quadrant of |x|, |y| stand for all eight.
+
+def _distances(x: Array, y: Array, z: Array, aperture: float, standoff: float) -> Array:
+    """Signed distance of points to the hand stretched back along its approach by `standoff`, shape (..., N).
+
+    Coordinates, (..., N) each, are in the hand's axes about the tool point. The hand is its own mirror image in x and y,
+    so five boxes in the quadrant of |x|, |y| stand for all eight.
     """
-    x, y = np.abs(x), np.abs(y)
-    boxes = [(0.0, centre[2], half) for centre, half in PALM_BOXES]
-    boxes += [(centre[1] + aperture / 2.0, centre[2] + FINGER_OFFSET, half) for centre, half in FINGER_BOXES]
-    outside = np.full(x.shape, np.inf)
-    inside = np.zeros(x.shape)
-    for beside, along, half in boxes:
-        dx = x - half[0]
-        dy = (y if beside == 0.0 else np.abs(y - beside)) - half[1]
-        dz = np.abs(z - (along - TCP_OFFSET - standoff / 2.0)) - (half[2] + standoff / 2.0)
-        np.minimum(inside, np.maximum(np.maximum(dx, dy), dz), out=inside)
-        np.maximum(dx, 0.0, out=dx)
-        np.maximum(dy, 0.0, out=dy)
-        np.maximum(dz, 0.0, out=dz)
-        np.minimum(outside, dx * dx + dy * dy + dz * dz, out=outside)
-    return np.sqrt(outside) + inside
+    dx = np.abs(x)[..., None, :] - _HALF_X
+    dy = np.abs(np.abs(y)[..., None, :] - (_BESIDE + _OPENS * aperture)) - _HALF_Y
+    dz = np.abs(z[..., None, :] - (_ALONG - TCP_OFFSET - standoff / 2.0)) - (_HALF_Z + standoff / 2.0)
+    inside = np.minimum(np.maximum(np.maximum(dx, dy), dz).min(axis=-2), 0.0)
+    np.maximum(dx, 0.0, out=dx)
+    np.maximum(dy, 0.0, out=dy)
+    np.maximum(dz, 0.0, out=dz)
+    return np.sqrt((dx * dx + dy * dy + dz * dz).min(axis=-2)) + inside
+
+
+def _boxed(centres_halves: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> Array:
+    """Lower and upper corner (2, 3) of the box around boxes [m]."""
+    corners = [(np.array(c) - half, np.array(c) + half) for c, half in centres_halves]
+    return np.array([np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)])
+
+
+_PALM, _FINGER = _boxed(PALM_BOXES), _boxed(FINGER_BOXES)
+_AROUND_X = np.array([[_PALM[1, 0]], [_FINGER[1, 0]]])
+_AROUND_Y = np.array([[[_PALM[0, 1]], [_FINGER[0, 1]]], [[_PALM[1, 1]], [_FINGER[1, 1]]]])
+_AROUND_Z = np.array(
+    [[[_PALM[0, 2]], [_FINGER[0, 2] + FINGER_OFFSET]], [[_PALM[1, 2]], [_FINGER[1, 2] + FINGER_OFFSET]]]
+)
+_AROUND_OPENS = np.array([[0.0], [0.5]])
+"""Boxes around the palm and around a finger: half size in x, and least and greatest y and z [m], one a row."""
+
+
+@dataclass(frozen=True)
+class _Sweep:
+    """Points in the axes of a hand about its tool point, and how that hand moves."""
+
+    x: Array
+    y: Array
+    z: Array
+    aperture: float
+    standoff: float
+    lift: float
+    """Height of a lift that does not go back along the approach [m]; 0 if there is none."""
+    up: Array
+    """Straight up in the hand's axes, (3,)."""
+
+    @classmethod
+    def of(cls, grasp: Grasp, offset_w: Array, lift: float) -> _Sweep:
+        """The sweep of a grasp against points that lie at `offset_w` (N, 3) [m] from its tool point."""
+        rotation = grasp.rotation()
+        x, y, z = np.ascontiguousarray((offset_w @ rotation).T)
+        up = rotation[2]
+        if up[2] < -VERTICAL:
+            # The lift goes back along the approach: one stretched hand covers both.
+            return cls(x, y, z, grasp.aperture, max(grasp.standoff, lift), 0.0, up)
+        return cls(x, y, z, grasp.aperture, grasp.standoff, max(0.0, lift), up)
+
+    def distances(self, which: NDArray[Any] | slice = slice(None)) -> Array:
+        """Signed distances [m] of the points chosen by index or mask."""
+        x, y, z = self.x[which], self.y[which], self.z[which]
+        best = _distances(x, y, z, self.aperture, self.standoff)
+        if self.lift > 0.0 and len(x):
+            # Raising the hand by h is lowering the points by h.
+            heights = np.linspace(0.0, self.lift, math.ceil(self.lift / LIFT_STEP) + 1)[1:, None]
+            up = self.up
+            raised = _distances(x - heights * up[0], y - heights * up[1], z - heights * up[2], self.aperture, 0.0)
+            np.minimum(best, raised.min(axis=0), out=best)
+        return best
+
+    def bounds(self) -> Array:
+        """Lower bounds of the distances [m], shape (N,): how far outside the boxes around palm and fingers, largest side."""
+        y_low, y_high = _AROUND_Y + _AROUND_OPENS * self.aperture
+        z_low, z_high = _AROUND_Z - TCP_OFFSET
+        x, y, z = np.abs(self.x), np.abs(self.y), self.z
+        dy = np.maximum(y_low - y, y - y_high)
+        out = np.maximum(np.maximum(x - _AROUND_X, dy), np.maximum(z_low - self.standoff - z, z - z_high)).min(axis=0)
+        if self.lift > 0.0:
+            by_x, by_y, by_z = (self.lift * value for value in self.up.tolist())
+            dx = np.maximum(min(0.0, by_x) - self.x, self.x - max(0.0, by_x)) - _AROUND_X
+            dz = np.maximum(z_low + min(0.0, by_z) - z, z - (z_high + max(0.0, by_z)))
+            raised = np.maximum(np.maximum(dx, dy - abs(by_y)), dz)
+            np.minimum(out, raised.min(axis=0), out=out)
+        return out
+
+
+def _least(sweep: _Sweep) -> float:
+    """The smallest distance of a sweep's points [m].
+
+    The points with the smallest bounds give a distance; only points whose bound is below it can be nearer.
+    """
+    if len(sweep.x) <= FEW:
+        return float(sweep.distances().min())
+    bounds = sweep.bounds()
+    first = np.argpartition(bounds, FEW // 2)[: FEW // 2]
+    least = float(sweep.distances(first).min())
+    rest = bounds < least + ROUNDING
+    rest[first] = False
+    return min(least, float(sweep.distances(rest).min())) if rest.any() else least
+
+
+FEW = 24
+"""Up to so many points are measured at once."""
+ROUNDING = 1e-9
+"""Far more than distances and bounds are off by rounding [m]."""
 
 
 def swept_distances(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> Array:
@@ -101,19 +193,7 @@ def swept_distances(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -
     points = np.asarray(points_w, float).reshape(-1, 3)
     if not len(points):
         return np.zeros(0)
-    rotation = grasp.rotation()
-    x, y, z = ((points - np.asarray(grasp.position)) @ rotation).T
-    up = rotation[2]
-    if up[2] < -VERTICAL:
-        # The lift goes back along the approach: one stretched hand covers both.
-        return _distances(x, y, z, grasp.aperture, max(grasp.standoff, lift))
-    best = _distances(x, y, z, grasp.aperture, grasp.standoff)
-    if lift > 0.0:
-        # Raising the hand by h is lowering the points by h.
-        heights = np.linspace(0.0, lift, math.ceil(lift / LIFT_STEP) + 1)[1:, None]
-        raised = _distances(x - heights * up[0], y - heights * up[1], z - heights * up[2], grasp.aperture, 0.0)
-        np.minimum(best, raised.min(axis=0), out=best)
-    return best
+    return _Sweep.of(grasp, points - np.asarray(grasp.position), lift).distances()
 
 
 def swept_clearance(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
@@ -136,11 +216,21 @@ def swept_clearances(grasps: Sequence[Grasp], points_w: Array, *, lift: float = 
         # No hand point is farther from the tool point's way than this.
         reach = HAND_RADIUS + max(grasp.standoff, lift)
         near = squared < (reach + CULL_MARGIN) ** 2
-        if near.any():
-            out[index] = swept_distances(grasp, points[near], lift=lift).min()
-        if not near.all():
+        all_near = bool(near.all())
+        if all_near or near.any():
+            out[index] = _least(_Sweep.of(grasp, offset[near], lift))
+        if not all_near:
             out[index] = min(out[index], CULL_MARGIN)
     return out
+
+
+def swept_count(grasp: Grasp, points_w: Array, limit: float, *, lift: float = FULL_LIFT) -> int:
+    """How many points (N, 3) the swept hand comes nearer to than `limit` [m]."""
+    points = np.asarray(points_w, float).reshape(-1, 3)
+    if not len(points):
+        return 0
+    sweep = _Sweep.of(grasp, points - np.asarray(grasp.position), lift)
+    return int((sweep.distances(sweep.bounds() < limit + ROUNDING) < limit).sum())
 
 
 HAND_RADIUS = 0.17

@@ -108,17 +108,25 @@ def maximum_force(fragility: float) -> float:
 
 def grade(grasp: Grasp, subject: Subject) -> Quality:
     """Grades a grasp: the seven factors, each in [0, 1], and their weighted sum (Eq. (2))."""
+    q, phi = grade_numbers(grasp.aperture, grasp.force, grasp.type, subject)
+    return Quality(q=q, phi=phi)
+
+
+def grade_numbers(
+    aperture: float, force: float, type_: GraspType, subject: Subject
+) -> tuple[float, tuple[float, float, float, float, float, float, float]]:
+    """Q and the seven factors of a grasp with this opening [m], force [N] and type."""
     phi = (
         _clip(1.0 - subject.region_distance / REACH_ERROR),
-        width_factor(grasp.aperture, subject.width),
-        force_factor(grasp.force, subject),
-        TYPE_MATCH[subject.affordance][grasp.type],
+        width_factor(aperture, subject.width),
+        force_factor(force, subject),
+        TYPE_MATCH[subject.affordance][type_],
         _clip(subject.clearance / FULL_CLEARANCE),
         difficulty_factor(subject),
-        _clip(grasp.force / holding_force(subject.mass, subject.friction) - 1.0),
+        _clip(force / holding_force(subject.mass, subject.friction) - 1.0),
     )
     # Eq. (2). The sum of the weights is 1 only up to rounding, hence the clip.
-    return Quality(q=_clip(sum(w * value for w, value in zip(WEIGHTS, phi, strict=True))), phi=phi)
+    return _clip(sum(w * value for w, value in zip(WEIGHTS, phi, strict=True))), phi
 
 
 def width_factor(aperture: float, width: float) -> float:

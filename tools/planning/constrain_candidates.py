@@ -59,7 +59,11 @@ def constrain(
             rejected["content: approach too tilted"] = rejected.get("content: approach too tilted", 0) + 1
             continue
         kept.append(_lean(candidate, subject, bias, limit, constraints))
-    return [replace(item, malus=item.malus + _yaw_malus(item.candidate, adjustment)) for item in kept]
+    if not adjustment.avoid_yaw:
+        return kept
+    return [
+        Constrained(item.candidate, item.malus + _yaw_malus(item.candidate, adjustment), item.changes) for item in kept
+    ]
 
 
 def _tilt_limit(adjustment: Adjustment) -> float | None:

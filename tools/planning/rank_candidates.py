@@ -93,22 +93,26 @@ def estimate(
     subject: PerceivedObject, candidate: Candidate, grasp: Grasp, clearance: float, mass: float, friction: float
 ) -> Quality:
     """Q of Eq. (2) with the robot's own estimates."""
-    return grade(
-        grasp,
-        Subject(
-            region_distance=candidate.miss,
-            width=candidate.width,
-            mass=mass,
-            friction=friction,
-            fragility=subject.affordance.fragility,
-            affordance=subject.affordance.type,
-            clearance=clearance,
-        ),
+    return grade(grasp, graded_as(subject, candidate, clearance, mass, friction))
+
+
+def graded_as(
+    subject: PerceivedObject, candidate: Candidate, clearance: float, mass: float, friction: float
+) -> Subject:
+    """What Eq. (2) is told of the object and of a candidate's place on it."""
+    return Subject(
+        region_distance=candidate.miss,
+        width=candidate.width,
+        mass=mass,
+        friction=friction,
+        fragility=subject.affordance.fragility,
+        affordance=subject.affordance.type,
+        clearance=clearance,
     )
 
 
 def total_score(
-    quality: Quality,
+    q: float,
     item: Constrained,
     prior: GraspPrior,
     avoid: tuple[Strategy, ...],
@@ -117,7 +121,7 @@ def total_score(
     """Q + agreement with experience + geometric preference - constraints' maluses - tightness."""
     tight = 1.0 - min(1.0, max(0.0, clearance) / ROOMY)
     return (
-        quality.q
+        q
         + PRIOR_WEIGHT * agreement(item.candidate, prior)
         + MERIT_WEIGHT * item.candidate.merit
         - item.malus

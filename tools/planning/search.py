@@ -12,14 +12,15 @@ from kb.experience import Strategy
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.sensing import Correction
-from sim.hand import FULL_LIFT, HAND_RADIUS, swept_clearance, swept_distances
+from sim.hand import FULL_LIFT, HAND_RADIUS, swept_clearance, swept_count
+from sim.quality import grade_numbers
 from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
 from tools.planning.force_choice import ForceTerms
 from tools.planning.grasp_prior import GraspPrior
 from tools.planning.posture import ArmWay, Posture
-from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
-from tools.planning.shape_grasp import narrow_opening, shape_grasp
+from tools.planning.rank_candidates import ROOMY, Ranked, estimate, graded_as, total_score
+from tools.planning.shape_grasp import first_opening, narrow_opening, shape_grasp
 
 MEASURED = 150
 """Candidates whose clearance is measured, best first."""
@@ -72,21 +73,22 @@ class Search:
         """
         narrow_exists = any(item.candidate.width <= WIDEST_GRIP for item in pool)
         # With full clearance assumed, a score is an upper bound: the best measured one above all bounds is the best.
-        heap: list[tuple[float, str, bool, Ranked]] = []
-        for item in pool:
-            bound = self._graded(item, prior, force, ROOMY, None, narrow_exists)
-            heapq.heappush(heap, (-bound.score, item.candidate.name, False, bound))
+        # Most candidates are never looked at again, so the bound is a number and no grasp is made for it.
+        heap: list[tuple[float, str, Constrained | Ranked]] = [
+            (-self._bound(item, prior, force, narrow_exists), item.candidate.name, item) for item in pool
+        ]
+        heapq.heapify(heap)
         found: list[tuple[Ranked, Posture]] = []
         measured = postures = 0
         while heap and measured < MEASURED and postures < TRIED_POSTURES and len(found) <= ALTERNATIVES:
-            _, name, exact, ranked = heapq.heappop(heap)
+            _, name, ranked = heapq.heappop(heap)
             if name in self.unreachable:
                 continue
-            if not exact:
+            if isinstance(ranked, Constrained):
                 measured += 1
                 known = self._measured(ranked, prior, force, narrow_exists, required)
                 if known is not None:
-                    heapq.heappush(heap, (-known.score, name, True, known))
+                    heapq.heappush(heap, (-known.score, name, known))
                 continue
             postures += 1
             posture = self.way.posture(ranked.grasp, whole=not found, calm=self.calm)
@@ -103,37 +105,39 @@ class Search:
         self.calm = False
         self.unreachable.clear()
 
-    def _graded(
-        self,
-        item: Constrained,
-        prior: GraspPrior,
-        force: ForceTerms,
-        clearance: float,
-        opening: float | None,
-        narrow_exists: bool,
-    ) -> Ranked:
-        grasp = shape_grasp(item, self.subject, prior, force, self.constraints, self.correction, opening=opening)
-        quality = estimate(self.subject, item.candidate, grasp, clearance, force.mass, force.friction)
-        score = total_score(quality, item, prior, self.avoid, clearance)
-        if item.candidate.width > WIDEST_GRIP and narrow_exists:
-            score -= WIDE_MALUS
-        return Ranked(item=item, grasp=grasp, quality=quality, score=score, clearance=clearance)
+    def _bound(self, item: Constrained, prior: GraspPrior, force: ForceTerms, narrow_exists: bool) -> float:
+        """The score that a candidate would have with full clearance and its first opening."""
+        candidate = item.candidate
+        told = graded_as(self.subject, candidate, ROOMY, force.mass, force.friction)
+        q, _ = grade_numbers(first_opening(candidate, self.correction), force.force(candidate), candidate.type, told)
+        return self._score(q, item, prior, ROOMY, narrow_exists)
+
+    def _score(self, q: float, item: Constrained, prior: GraspPrior, clearance: float, narrow_exists: bool) -> float:
+        score = total_score(q, item, prior, self.avoid, clearance)
+        return score - WIDE_MALUS if item.candidate.width > WIDEST_GRIP and narrow_exists else score
+
+    def _shaped(self, item: Constrained, prior: GraspPrior, force: ForceTerms, opening: float | None) -> Grasp:
+        return shape_grasp(item, self.subject, prior, force, self.constraints, self.correction, opening=opening)
 
     def _measured(
-        self, ranked: Ranked, prior: GraspPrior, force: ForceTerms, narrow_exists: bool, required: float
+        self, item: Constrained, prior: GraspPrior, force: ForceTerms, narrow_exists: bool, required: float
     ) -> Ranked | None:
         """The candidate with its true clearance, with a narrower opening where that helps; None if it can't be done."""
-        item, narrowest = ranked.item, narrow_opening(ranked.item.candidate)
-        clearance, opening = FREE if len(self.neighbours_w) == 0 else ROOMY, ranked.grasp.aperture
+        narrowest = narrow_opening(item.candidate)
+        first = self._shaped(item, prior, force, None)
+        clearance, opening = FREE if len(self.neighbours_w) == 0 else ROOMY, first.aperture
         if self.use_clearance and len(self.neighbours_w):
-            clearance, opening = self._roomiest(ranked.grasp, narrowest, required)
+            clearance, opening = self._roomiest(first, narrowest, required)
             if clearance < required:
                 self._reject("too close to a neighbour")
                 return None
         for width in dict.fromkeys((opening, min(opening, narrowest))):
-            known = self._graded(item, prior, force, min(clearance, FREE), width, narrow_exists)
-            if self._fits_itself(known.grasp, item.candidate.width):
-                return known
+            grasp = first if width == first.aperture else self._shaped(item, prior, force, width)
+            if self._fits_itself(grasp, item.candidate.width):
+                free = min(clearance, FREE)
+                quality = estimate(self.subject, item.candidate, grasp, free, force.mass, force.friction)
+                score = self._score(quality.q, item, prior, free, narrow_exists)
+                return Ranked(item=item, grasp=grasp, quality=quality, score=score, clearance=free)
         self._reject("hand would touch another part of the object")
         return None
 
@@ -168,10 +172,9 @@ class Search:
 
     def _fits_itself(self, grasp: Grasp, width: float) -> bool:
         """Whether the open hand keeps off the target's own surface on its way."""
-        own = swept_distances(grasp, self.own_w, lift=0.0)
         # Things that fill the hand touch the fingers all the way.
         wanted = min(OWN_CLEARANCE, (grasp.aperture - width) / 2 - 0.003)
-        return len(own) < 4 or float(np.partition(own, 2)[2]) >= wanted
+        return len(self.own_w) < 4 or swept_count(grasp, self.own_w, wanted, lift=0.0) < 3
 
     def _reject(self, reason: str) -> None:
         self.rejected[reason] = self.rejected.get(reason, 0) + 1

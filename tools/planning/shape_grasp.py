@@ -32,6 +32,14 @@ def narrow_opening(candidate: Candidate) -> float:
     return min(MAX_APERTURE, candidate.room, candidate.width + NARROW_MARGIN)
 
 
+def first_opening(candidate: Candidate, correction: Correction | None) -> float:
+    """The opening [m] that is tried first: the wide one, or what a correction demands beyond it."""
+    aperture = wide_opening(candidate)
+    if correction and "aperture" in correction.changes:
+        aperture = min(MAX_APERTURE, candidate.room, max(float(str(correction.changes["aperture"])), aperture))
+    return aperture
+
+
 def shape_grasp(
     item: Constrained,
     subject: PerceivedObject,
@@ -54,10 +62,6 @@ def shape_grasp(
         opening: Opening before closing [m]; the wide one if None.
     """
     candidate = item.candidate
-    changes = correction.changes if correction else {}
-    aperture = wide_opening(candidate) if opening is None else opening
-    if "aperture" in changes and opening is None:
-        aperture = min(MAX_APERTURE, candidate.room, max(float(str(changes["aperture"])), aperture))
     position = np.asarray(candidate.position) + np.asarray(correction.offset if correction else (0.0, 0.0, 0.0))
     # Never into the table, whatever was added.
     position[2] = max(position[2], min(candidate.position[2], tip_floor(subject, candidate.tilt)))
@@ -65,7 +69,7 @@ def shape_grasp(
         position=vec3(position),
         approach=candidate.approach,
         yaw=candidate.yaw,
-        aperture=aperture,
+        aperture=first_opening(candidate, correction) if opening is None else opening,
         force=force.force(candidate),
         type=candidate.type,
         standoff=chosen_standoff(prior, constraints, correction),
