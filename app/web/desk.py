@@ -10,15 +10,18 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.web.board import Board, candidates_of
+from app.web.board import Board
 from app.web.live import Live
+from app.web.opening import open_conversation
 from app.web.pictures import Pictures
 from app.web.replays import Replays
+from app.web.rows import candidates_of
+from app.web.status import Status
 from app.web.transcript import Transcript, entry_of
 from kb.errors import RagVlmError
 
@@ -29,26 +32,6 @@ if TYPE_CHECKING:
 
 MAX_WAITING = 8
 """Orders that may wait for the one being carried out."""
-
-
-@dataclass
-class Status:
-    """What every page always knows."""
-
-    busy: bool = False
-    stopped: bool = False
-    asks: bool = False
-    speed: float = 2.0
-    replay: int | None = None
-    place: str = ""
-    scene: str = ""
-    seed: int = 0
-    thread: str | None = None
-    unfinished: str | None = None
-    halted_ms: float | None = None
-    """From the arrival of the last stop to the halt of physics [ms]."""
-    halted_at: float | None = None
-    """Wall clock of that halt [s since 1970]."""
 
 
 class Desk:
@@ -66,8 +49,6 @@ class Desk:
         self.talk: Conversation | None = None
         self.options: RunOptions | None = None
         self._said = ""
-        self._look: tuple[Any, ...] = ((), None, None)
-        """Views, percept and graph of the last look."""
         self._stop_at = 0.0
         self._stop_told = False
         """The page has said itself that the running turn was stopped; the turn need not say it again."""
@@ -83,22 +64,26 @@ class Desk:
         Raises:
             RagVlmError: as `Conversation.open`.
         """
-        from agent.chat import Conversation
-
-        talk = Conversation.open(
-            options.scene, options.seed, thread=options.thread, asks=options.approve, brain=options.brain,
-            perception=options.perception, evaluator=options.evaluator, configuration=options.configuration,
-            dry_run=options.dry_run, base_url=options.base_url,
-        )  # fmt: skip
+        talk = open_conversation(options)
         if self.talk is not None:
             self.live.detach()
             self.talk.close()
         self.talk, self.options = talk, options
-        opened = talk.agent.opened
         self.transcript = Transcript(talk.folder)
         self.replays = Replays(talk.folder)
         self.replays.load()
+        if not self.transcript.entries:
+            for speaker, text in talk.messages:
+                kind = "said" if speaker == "person" else "answer"
+                self.transcript.add({"kind": kind, "label": speaker.capitalize(), "text": text, "details": []})
+        self._show_world()
+
+    def _show_world(self) -> None:
+        """Everything as the conversation has it now: after opening it, in another scene, or at an earlier point."""
+        talk = self.talk
+        assert talk is not None
         state = talk.state
+        opened = talk.agent.opened
         if state.world:
             talk.agent.context.world.at(state.world)
         self.view.open(opened.placed, opened.world.data.qpos.copy())
@@ -106,19 +91,17 @@ class Desk:
         self.board.clear()
         self._restore(talk)
         # What the camera shows now, for people only: the robot itself has not looked yet. Its draws are its own.
-        self.pictures.draw(opened.world.capture(np.random.default_rng(opened.seed)), None, None, None)
+        self.pictures.look(opened.world.capture(np.random.default_rng(opened.seed)), None)
         self.status = Status(
-            stopped=talk.stopped, asks=talk.asks, speed=self.live.speed, place=talk.place, scene=options.scene or
-            opened.scene, seed=opened.seed, thread=options.thread, unfinished=talk.unfinished,
+            busy=self.status.busy, stopped=talk.stopped, asks=talk.asks, speed=self.live.speed, place=talk.place,
+            scene=talk.agent.context.scene or opened.scene, seed=opened.seed, thread=talk.agent.thread,
+            unfinished=talk.unfinished,
         )  # fmt: skip
         self._tell(self.hello())
 
     def _restore(self, talk: Conversation) -> None:
         """The panels of a session that was left: what it remembers, and what waits for a word."""
-        if not self.transcript.entries:
-            for speaker, text in talk.messages:
-                kind = "said" if speaker == "person" else "answer"
-                self.transcript.add({"kind": kind, "label": speaker.capitalize(), "text": text, "details": []})
+        self.board.restore(talk.state)
         self.board.remembered(talk.memory)
         if talk.pending is not None:
             self.board.pending(talk.pending.plan, talk.pending.thought)
@@ -131,7 +114,7 @@ class Desk:
             "status": self.status.__dict__,
             "board": self.board.parts,
             "transcript": self.transcript.entries,
-            "replays": self.replays.cards(),
+            "replays": self.replays.cards(self.status.place),
         }
 
     # Orders: called in the event loop, must return at once -------------------------------------------------------
@@ -208,12 +191,20 @@ class Desk:
         assert self.options is not None
         self.order(lambda: self.open(replace(self.options, **options)))  # type: ignore[type-var]
 
-    def open_scene(self, path: str) -> None:
-        """Opens a scene file with the same seed, in a session of its own; in the desk's thread."""
-        from app.web.names import new_thread
+    def move_to(self, scene: str, seed: int) -> None:
+        """Another scene in the same conversation; in the desk's thread. A wrong one leaves everything as it is."""
+        talk = self.talk
+        assert talk is not None
+        name = scene.rpartition("/")[2].removesuffix(".yaml")
+        self._turn(f"Scene {name}, seed {seed}.", lambda: talk.change_scene(scene, seed), goes_on=False)
 
-        assert self.options is not None
-        self.open(replace(self.options, scene=path, seed=self.status.seed, thread=new_thread(path)))
+    def go_back(self, point: str) -> None:
+        """To an earlier point of the conversation; what came after stays on its own branch. In the desk's thread."""
+        talk = self.talk
+        assert talk is not None
+        talk.fork(point)
+        self._note("noted", "Back", "From here on the conversation goes on from an earlier point.")
+        self._show_world()
 
     def close(self) -> None:
         """Stops the robot and ends the thread."""
@@ -254,11 +245,14 @@ class Desk:
         for step in start():
             last = step
             self._on_step(step)
+        if talk.agent.opened.world is not self.live.world:
+            # Words, too, can change the scene.
+            self._show_world()
         self.live.touch()
         self.board.remembered(talk.memory)
         waits = last is not None and last.kind == "asked"
-        if not waits and self.replays.add(self._said, self.live.times, self.live.poses) is not None:
-            self._tell({"type": "replays", "value": self.replays.cards()})
+        if not waits and self.replays.add(self._said, talk.place, self.live.times, self.live.poses) is not None:
+            self._tell({"type": "replays", "value": self.replays.cards(self.status.place)})
         self._set(busy=False, unfinished=talk.unfinished)
 
     def _on_step(self, step: Any) -> None:
@@ -268,28 +262,17 @@ class Desk:
         talk = self.talk
         assert talk is not None
         if step.kind == "look":
-            self._look = (talk.agent.views, step.percept, None)
-            self._draw()
-        elif step.kind in ("graphed", "grounding"):
-            views, percept, graph = self._look
-            self._look = (views, percept, step.graph if step.kind == "graphed" else graph)
-            if step.kind == "graphed":
-                self._draw()
+            self.pictures.look(talk.agent.views, step.percept)
+        elif step.kind == "graphed":
+            self.pictures.relate(step.graph, (self.board.parts["look"] or {}).get("target"))
         elif step.kind in ("planned", "asked", "action"):
             if step.plan is not None:
                 self.view.candidates(candidates_of(step.plan))
         elif step.kind in ("observation", "finished", "refused"):
             self.view.candidates(())
         # The answer is said once: as the turn's last step, with the observer's verdict under it.
-        entry = None if step.kind == "asked" else entry_of(step)
-        if entry is not None:
+        if step.kind != "asked" and (entry := entry_of(step)) is not None:
             self._enter(entry)
-
-    def _draw(self) -> None:
-        views, percept, graph = self._look
-        if views and percept is not None:
-            target = (self.board.parts["look"] or {}).get("target")
-            self.pictures.draw(views, percept, graph, target)
 
     # Telling ------------------------------------------------------------------------------------------------------
 

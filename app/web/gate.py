@@ -115,7 +115,7 @@ def _through(sock: socket.socket, door: Door) -> Iterator[None]:
 
     def serve(view: Any, _host: str, _port: int, **settings: Any) -> Any:
         files = settings.pop("process_request")
-        settings.update(max_size=MAX_MESSAGE, max_queue=32, open_timeout=10)
+        settings.update(max_size=MAX_MESSAGE, max_queue=32, open_timeout=10, close_timeout=1)
         return original(
             _router(view, door),
             sock=sock,

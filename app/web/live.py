@@ -80,6 +80,11 @@ class Live:
         self._fresh.set()
 
     @property
+    def world(self) -> World | None:
+        """The world that is watched."""
+        return self._world
+
+    @property
     def speed(self) -> float:
         """Simulated seconds a wall second; 0 is as fast as the machine can. May be set at any time."""
         return self._speed

@@ -99,6 +99,13 @@ class Session(Noun):
     thread: ThreadName
 
 
+class Fork(Noun):
+    """Back to an earlier point of the conversation."""
+
+    type: Literal["fork"]
+    point: Name
+
+
 class Replay(Noun):
     """Show a moment of a recorded run."""
 
@@ -115,7 +122,8 @@ class Point(Noun):
 
 
 Order = Annotated[
-    Say | Plain | Edit | Asks | Speed | Scene | Add | WhatIf | Session | Replay | Point, Field(discriminator="type")
+    Say | Plain | Edit | Asks | Speed | Scene | Add | WhatIf | Session | Fork | Replay | Point,
+    Field(discriminator="type"),
 ]
 _ORDER: TypeAdapter[Any] = TypeAdapter(Order)
 

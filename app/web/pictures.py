@@ -38,14 +38,25 @@ class Pictures:
         self._kept: OrderedDict[str, bytes] = OrderedDict()
         self._lock = threading.Lock()
         self._number = 0
+        self._views: tuple[RgbdView, ...] = ()
+        self._percept: Percept | None = None
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="ragvlm-pictures")
 
-    def draw(
-        self, views: tuple[RgbdView, ...], percept: Percept | None, graph: SceneGraph | None, target: str | None
-    ) -> None:
-        """Draws all views of a look (plain without a percept); a later call that comes before this one's turn replaces it."""
+    def look(self, views: tuple[RgbdView, ...], percept: Percept | None) -> None:
+        """A new look: its pictures, with what was perceived (plain without a percept)."""
+        self._views, self._percept = views, percept
+        self._submit(None, None)
+
+    def relate(self, graph: SceneGraph, target: str | None) -> None:
+        """The scene graph of the last look, and which object is meant."""
+        if self._percept is not None:
+            self._submit(graph, target)
+
+    def _submit(self, graph: SceneGraph | None, target: str | None) -> None:
+        """A later call that comes before this one's turn replaces it."""
         self._number += 1
-        self._pool.submit(self._draw, self._number, views, percept, graph, target)
+        if self._views:
+            self._pool.submit(self._draw, self._number, self._views, self._percept, graph, target)
 
     def get(self, name: str) -> bytes | None:
         """The JPEG of that name, if it is still kept."""

@@ -13,6 +13,7 @@ from typing import Any
 from app.web.desk import Desk
 from app.web.gate import Reply
 from app.web.hall import Hall, Page
+from app.web.opening import ends_of_turns
 from app.web.orders import parse_enter, parse_order
 from kb.errors import BadInputError, RagVlmError
 
@@ -167,7 +168,7 @@ class Reception:
 
     async def _offer(self, page: Page) -> None:
         """Tells a page what there is to choose from now; reading it from the disk must not hold up a stop."""
-        value = await asyncio.to_thread(self._offers)
+        value = await asyncio.to_thread(lambda: {**self._offers(), "points": ends_of_turns(self._desk.talk)})
         self._hall.tell({"type": "offers", "value": value}, to=lambda other: other is page)
 
     def _change(self, order: Any) -> None:
@@ -180,12 +181,14 @@ class Reception:
             raise BadInputError("the robot is at work; stop it first")
         match order.type:
             case "scene":
-                desk.change(scene=order.name, seed=order.seed, thread=new_thread(order.name))
+                desk.order(lambda: desk.move_to(order.name, order.seed))
+            case "fork":
+                desk.order(lambda: desk.go_back(order.point))
             case "fresh":
                 desk.change(thread=new_thread(desk.status.scene), scene=desk.status.scene, seed=desk.status.seed)
             case "add":
                 status = desk.status
-                desk.order(lambda: desk.open_scene(scene_with(status.scene, order.model, order.position)))
+                desk.order(lambda: desk.move_to(scene_with(status.scene, order.model, order.position), status.seed))
             case "session" if order.action == "open":
                 desk.change(scene=None, seed=None, thread=order.thread)
             case "session":

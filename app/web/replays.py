@@ -15,7 +15,7 @@ KEPT = 20
 """Runs kept of a session, the latest."""
 MAX_BYTES = 16_000_000
 """A replay file larger than this is not one of ours."""
-FOLDER = "replays"
+PATTERN = "replay-*.npz"
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,8 @@ class Replay:
     number: int
     words: str
     """What was said."""
+    place: str
+    """Scene and seed, without which the joints say nothing."""
     times: NDArray[np.float32]
     """Simulated time [s], (T,)."""
     poses: NDArray[np.float32]
@@ -54,19 +56,19 @@ class Replays:
 
     def load(self) -> None:
         """Reads what an earlier process kept; files that are damaged are left out."""
-        if self.folder is None or not (self.folder / FOLDER).is_dir():
+        if self.folder is None or not self.folder.is_dir():
             return
-        for path in sorted((self.folder / FOLDER).glob("*.npz"))[-KEPT:]:
+        for path in sorted(self.folder.glob(PATTERN))[-KEPT:]:
             replay = _read(path)
             if replay is not None:
                 self.runs[replay.number] = replay
 
-    def add(self, words: str, times: list[float], poses: list[NDArray[np.float32]]) -> Replay | None:
+    def add(self, words: str, place: str, times: list[float], poses: list[NDArray[np.float32]]) -> Replay | None:
         """Keeps a turn's motion; None if nothing moved."""
         if len(times) < 2:
             return None
         number = max(self.runs, default=-1) + 1
-        replay = Replay(number, words, np.asarray(times, np.float32), np.stack(poses))
+        replay = Replay(number, words, place, np.asarray(times, np.float32), np.stack(poses))
         self.runs[number] = replay
         for old in sorted(self.runs)[:-KEPT]:
             del self.runs[old]
@@ -76,13 +78,14 @@ class Replays:
             self._write(replay)
         return replay
 
-    def cards(self) -> list[dict[str, Any]]:
-        """All runs, the latest first."""
-        return [self.runs[number].card() for number in sorted(self.runs, reverse=True)]
+    def cards(self, place: str) -> list[dict[str, Any]]:
+        """The runs in that scene and seed, the latest first."""
+        numbers = sorted(self.runs, reverse=True)
+        return [self.runs[number].card() for number in numbers if self.runs[number].place == place]
 
     def _path(self, number: int) -> Path:
         assert self.folder is not None
-        return self.folder / FOLDER / f"{number:06d}.npz"
+        return self.folder / f"replay-{number:06d}.npz"
 
     def _write(self, replay: Replay) -> None:
         """On disk; a disk that is full costs the replay after a restart, nothing else."""
@@ -91,7 +94,13 @@ class Replays:
             path.parent.mkdir(parents=True, exist_ok=True)
             part = path.with_suffix(".part")
             with part.open("wb") as file:
-                np.savez_compressed(file, words=np.array(replay.words), times=replay.times, poses=replay.poses)
+                np.savez_compressed(
+                    file,
+                    words=np.array(replay.words),
+                    place=np.array(replay.place),
+                    times=replay.times,
+                    poses=replay.poses,
+                )
             part.replace(path)
         except OSError:
             return
@@ -105,6 +114,6 @@ def _read(path: Path) -> Replay | None:
             times, poses = data["times"], data["poses"]
             if times.ndim != 1 or poses.ndim != 2 or len(times) != len(poses) or len(times) < 2:
                 return None
-            return Replay(int(path.stem), str(data["words"]), times, poses)
+            return Replay(int(path.stem.removeprefix("replay-")), str(data["words"]), str(data["place"]), times, poses)
     except (OSError, ValueError, KeyError):
         return None

@@ -82,3 +82,29 @@ def test_an_added_object_is_a_scene_of_its_own(tmp_path: Any, monkeypatch: Any) 
         scene_with("cup_near_vase", "spaceship", None)
     with pytest.raises(BadInputError):
         draw_scene(load_scene(scene_with("cup_near_vase", "apple", (5.0, 5.0))), 3)
+
+
+def test_it_prints_its_address_and_ends_on_sigterm(tmp_path: Any) -> None:
+    """The command prints an address with a token that answers, and nothing of viser; SIGTERM ends it with exit code 0."""
+    pytest.importorskip("mjviser")
+    import os
+    import signal
+    import subprocess
+    import urllib.request
+
+    command = [sys.executable, "-m", "app", "serve", "--port", "0", "--scene", "single_cube"]
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "RAGVLM_HOME": str(tmp_path), "PYTHONUNBUFFERED": "1"},
+    ) as served:
+        assert served.stdout is not None
+        lines = [served.stdout.readline().strip() for _ in range(3)]
+        assert lines[1].startswith("http://127.0.0.1:")
+        assert "?token=" in lines[1]
+        opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(), urllib.request.ProxyHandler({}))
+        assert b"Agentic RAG-VLM" in opener.open(lines[1], timeout=30).read()
+        served.send_signal(signal.SIGTERM)
+        assert served.wait(timeout=60) == 0
+        assert served.stdout.read() == ""
