@@ -100,6 +100,9 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
     from bench.job import MAX_NOISE, MAX_TRIALS, BenchPlan, Settings
     from bench.suite import CLUTTER_SCENES, tasks_of
 
+    if options.learn or options.kb or options.kb_url or options.embedder != "shape_colour":
+        what = "the benchmark uses the shipped knowledge base as it is; learning is measured by `python -m bench.learn_study`"
+        raise BadInputError(what, where="--config")
     most = CLUTTER_SCENES if request.suite == "clutter" else MAX_TRIALS
     trials = min(request.trials, most) if request.suite == "clutter" else request.trials
     _within("--trials", trials, 1, most)

@@ -58,7 +58,7 @@ def promotions(base: LearnedBase, learner: Sequence[Taken]) -> list[dict[str, An
     truth = {row.seed: row for row in learner}
     found: list[dict[str, Any]] = []
     for change in base.journal.changes:
-        if change.kind != "promoted" or change.entry is None:
+        if change.kind != "promoted" or change.entry is None or not change.entry.success:
             continue
         lessons = [
             other.lesson

@@ -16,6 +16,9 @@ from kb.journal import BASE, JOURNAL, Change, Journal, begin
 from kb.lesson import Lesson
 from kb.store import ExperienceStore, StoreHeader, text_of_store
 
+LEARNT = "learnt-"
+"""Beginning of the ids of learnt entries: they turn into failures where they succeed in less than half of the trials."""
+
 
 @dataclass(frozen=True)
 class State:
@@ -145,10 +148,13 @@ def _taught(state: State, lesson: Lesson) -> State:
     if not lesson.success:
         failure = lesson.failure or "UNKNOWN"
         failures[failure] = failures.get(failure, 0) + 1
+    trials, good = entry.n_trials + 1, entry.n_success + int(lesson.success)
     counted = entry.model_copy(
         update={
-            "n_trials": entry.n_trials + 1,
-            "n_success": entry.n_success + int(lesson.success),
+            "n_trials": trials,
+            "n_success": good,
+            # What was learnt may be unlearnt; what was built by physical trials stays what it is.
+            "success": 2 * good >= trials if name.startswith(LEARNT) else entry.success,
             "failures": dict(sorted(failures.items())),
         }
     )

@@ -3,7 +3,7 @@
 A lesson enters the journal at once, but no retrieval sees it. A strategy becomes an entry only after `needed` successes in
 distinct poses, each claimed from the robot's own sensing and confirmed by a second lift, with so few failures beside
 them that it works more often than not with 90 % posterior probability; and only if retrieval over the regression suite
-does not get worse. The observer has no part in it.
+does not get worse. By the same rule failures make an entry to be avoided. The observer has no part in it.
 """
 
 from __future__ import annotations
@@ -105,24 +105,27 @@ def decide(state: State, header: StoreHeader, lesson: Lesson, suite: Suite, rule
     """The promotion or refusal that follows from the lesson that was just entered, or None."""
     key = lesson.key
     kept = state.quarantine.get(key, ())
-    if not lesson.success or speaks_for(state.entries, lesson) is not None or len(kept) <= state.refused.get(key, -1):
+    if speaks_for(state.entries, lesson) is not None or len(kept) <= state.refused.get(key, -1):
         return None
-    good = [one for one in kept if one.success]
-    independent = distinct_poses(good)
-    probability = works_mostly(len(good), len(kept) - len(good))
+    # A failure can only complete a negative, a success only a positive.
+    same = [one for one in kept if one.success == lesson.success]
+    independent = distinct_poses(same)
+    good = sum(one.success for one in kept)
+    probability = works_mostly(good, len(kept) - good) if lesson.success else 1 - works_mostly(good, len(kept) - good)
     facts = {
         "lessons": len(kept),
-        "successes": len(good),
+        "successes": good,
         "independent": len(independent),
         "sure": round(probability, 4),
     }
     if len(independent) < rules.needed or probability < rules.sure:
         return None
-    entry = entry_of(key, kept, header)
+    entry = entry_of(key, kept, header, success=lesson.success)
     if entry is None:
         return None
+    word = "" if lesson.success else "to be avoided: "
     change = Change(
-        version=0, kind="promoted", says=f"{key} after {len(good)} of {len(kept)}", entry=entry, key=key, facts=facts
+        version=0, kind="promoted", says=f"{word}{key} after {good} of {len(kept)}", entry=entry, key=key, facts=facts
     )
     old = suite.score(_store(state, header))
     new = suite.score(_store(after(state, change), header))
@@ -148,9 +151,9 @@ def works_mostly(successes: int, failures: int) -> float:
     return total / 2.0**n
 
 
-def entry_of(key: str, lessons: Sequence[Lesson], header: StoreHeader) -> Experience | None:
-    """The entry that these lessons make: means over the successes, and all outcomes counted."""
-    good = [one for one in lessons if one.success and one.embedder == header.embedder and one.embedding]
+def entry_of(key: str, lessons: Sequence[Lesson], header: StoreHeader, *, success: bool) -> Experience | None:
+    """The entry that these lessons make: means over the successes (of a negative: the failures), all outcomes counted."""
+    good = [one for one in lessons if one.success == success and one.embedder == header.embedder and one.embedding]
     if not good:
         return None
     first = good[0].strategy
@@ -175,7 +178,7 @@ def entry_of(key: str, lessons: Sequence[Lesson], header: StoreHeader) -> Experi
         id=key, category=good[0].category,
         affordance=good[0].affordance.model_copy(update={"region": first.region}),
         size=(mean([sizes[0]]), mean([sizes[1]]), mean([sizes[2]])), mass=mean([one.mass for one in good]),
-        strategy=strategy, success=True, n_trials=len(lessons),
+        strategy=strategy, success=success, n_trials=len(lessons),
         n_success=count, failures=dict(sorted(failures.items())),
         embedding=tuple(round(float(value), 6) for value in vector), embedder=header.embedder,
         seeds=(min(seeds), max(seeds)),

@@ -61,13 +61,25 @@ def test_three_confirmed_successes_in_distinct_poses_promote(tmp_path: Path, sui
 
 
 def test_a_claim_without_confirmation_counts_against(tmp_path: Path, suite: Suite) -> None:
-    """Three unconfirmed claims promote nothing; with them, three confirmed ones are too few."""
+    """Two unconfirmed claims promote nothing; with them, three confirmed ones are too few."""
     base = LearnedBase.begin(tmp_path / "kb", empty=True)
-    learn_experience(lessons(3, confirmed=False), base, suite)
+    learn_experience(lessons(2, confirmed=False), base, suite)
     learn_experience(lessons(3), base, suite)
     assert promoted(base) == []
     key = make_lesson().key
-    assert [one.success for one in base.state.quarantine[key]] == [False] * 3 + [True] * 3
+    assert [one.success for one in base.state.quarantine[key]] == [False] * 2 + [True] * 3
+
+
+def test_failures_are_kept_as_something_to_avoid(tmp_path: Path) -> None:
+    """Three failures in distinct poses make an entry with y = 0; an entry that later fails more often than not, too."""
+    base, free = LearnedBase.begin(tmp_path / "kb", empty=True), Suite(queries=())
+    learn_experience(lessons(3, success=False), base, free)
+    (negative,) = base.store().all()
+    assert (negative.success, negative.n_success, negative.n_trials, negative.failures) == (False, 0, 3, {"SLIP": 3})
+    learn_experience(lessons(3, "mug"), base, free)
+    learn_experience([make_lesson("mug", success=False)] * 4, base, free)
+    spoiled = base.store().get(make_lesson("mug").key)
+    assert (spoiled.n_success, spoiled.n_trials, spoiled.success) == (3, 7, False)
 
 
 def test_posterior_probability_by_hand() -> None:
@@ -88,7 +100,8 @@ def test_strategies_that_never_work_are_not_promoted_by_lies(tmp_path: Path) -> 
             place = (0.3 + 0.04 * trial, 0.0)
             lesson = make_lesson(f"k{kind}", place=place, claimed=claimed, confirmed=confirmed, seed=trial)
             learn_experience([lesson], base, Suite(queries=()))
-    assert promoted(base) == []
+    assert [entry.id for entry in promoted(base) if entry.success] == []
+    assert not any(entry.success for entry in base.store().all())
 
 
 def test_a_promotion_that_harms_retrieval_is_refused(tmp_path: Path) -> None:
