@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from agent.language import lexicon
+from agent.language import courtesies, lexicon
 
 VERBS: tuple[tuple[str, str], ...] = tuple(
     sorted(
@@ -27,12 +27,47 @@ GERUNDS = {
     "taking": "take", "grabbing": "grab", "lifting": "lift", "moving": "move", "placing": "place", "clearing": "clear",
     "sorting": "sort", "getting": "get", "fetching": "fetch", "grasping": "grasp", "holding": "hold", "removing": "remove",
     "throwing": "throw", "dropping": "drop", "setting": "set", "tidying": "tidy", "cleaning": "clean", "ordering": "order",
-    "arranging": "arrange", "raising": "raise", "collecting": "collect",
+    "arranging": "arrange", "raising": "raise", "collecting": "collect", "gripping": "grip", "seizing": "seize",
+    "retrieving": "retrieve", "depositing": "deposit", "discarding": "discard", "laying": "lay", "carrying": "carry",
+    "binning": "bin", "tossing": "toss", "dumping": "dump", "shifting": "shift", "transferring": "transfer",
+    "delivering": "deliver", "offering": "offer", "emptying": "clear", "stacking": "stack", "leaving": "leave",
 }  # fmt: skip
 """Gerund -> verb."""
+PAST = {
+    "took": "take",
+    "taken": "take",
+    "picked": "pick",
+    "placed": "place",
+    "grabbed": "grab",
+    "moved": "move",
+    "put": "put",
+    "got": "get",
+    "gotten": "get",
+    "lifted": "lift",
+    "cleared": "clear",
+    "removed": "remove",
+    "threw": "throw",
+    "thrown": "throw",
+    "gave": "give",
+    "given": "give",
+    "brought": "bring",
+    "handed": "hand",
+    "passed": "pass",
+    "sorted": "sort",
+    "dropped": "drop",
+    "fetched": "fetch",
+    "tidied": "tidy",
+    "cleaned": "clean",
+    "laid": "lay",
+}
+"""Past form -> verb."""
+TEMPORAL = ("after", "before", "once", "when", "as soon as")
+_DOERS = ("you", "have", "had", "that", "are", "done", "finished", "just", "first")
 HAND_ME = re.compile(
     r"^(?:i (?:want|need|would like(?: to have)?|could use|would love)|(?:can|could|may|might) i (?:please )?(?:have|get)|"
-    r"let me have|i will (?:have|take)|i am looking for|get me|fetch me|bring me|grab me|give me|hand me|pass me|"
+    r"let me have|i will (?:have|take)|i am looking for|i could (?:do with|use)|i would (?:also )?(?:like|love|appreciate)(?: to have| to get)?|"
+    r"i could really use|i require|i fancy|may we have|can we have|we need|"
+    r"(?:get|fetch|bring|grab|give|hand|pass|find|send|serve|lend|offer|pick) me|"
     r"hand over|pass over)\s+(?:over )?(?!to\b|you\b)(?P<what>.+)$"
 )
 NOT_DO = re.compile(
@@ -50,13 +85,14 @@ def trim(tokens: list[str]) -> list[str]:
             tokens, changed = tokens[1:], True
         while tokens and tokens[-1] in (",", ".", ";", "and"):
             tokens, changed = tokens[:-1], True
-        for filler in sorted(lexicon.FILLERS, key=lambda f: -len(f.split())):
+        for filler in sorted(courtesies.FILLERS, key=lambda f: -len(f.split())):
             parts = filler.split()
-            if tokens[: len(parts)] == parts and (len(tokens) > len(parts)):
+            says = parts == ["there"] and tokens[1:2] in (["is"], ["are"])
+            if tokens[: len(parts)] == parts and (len(tokens) > len(parts)) and not says:
                 tokens, changed = tokens[len(parts) :], True
             if tokens[-len(parts) :] == parts and len(tokens) > len(parts) and filler not in ("next", "now there"):
                 tokens, changed = tokens[: -len(parts)], True
-        for tag in lexicon.TAGS:
+        for tag in courtesies.TAGS:
             parts = tag.split()
             if tokens[-len(parts) - 1 :] == [",", *parts] and len(tokens) > len(parts) + 1:
                 tokens, changed = tokens[: -len(parts) - 1], True
@@ -68,7 +104,7 @@ def strip_opener(tokens: list[str]) -> list[str]:
     changed = True
     while changed:
         changed = False
-        for opener in sorted(lexicon.OPENERS, key=lambda o: -len(o.split())):
+        for opener in sorted(courtesies.OPENERS, key=lambda o: -len(o.split())):
             parts = opener.split()
             if tokens[: len(parts)] == parts and len(tokens) > len(parts):
                 tokens, changed = trim(tokens[len(parts) :]), True
@@ -93,8 +129,19 @@ def split_clauses(tokens: list[str]) -> list[list[str]]:
             continue
         clauses[-1].append(tokens[i])
         i += 1
-    kept = [clause for clause in clauses if clause]
+    kept = [_drop_trailing(clause, index) for index, clause in enumerate(c for c in clauses if c)]
     return [clause if index and clause[0] == "first" else drop_first(clause) for index, clause in enumerate(kept)]
+
+
+def _drop_trailing(clause: list[str], index: int) -> list[str]:
+    """Takes "pick up the apple first" as a word about the order; in a later clause it comes before what was said."""
+    if (
+        len(clause) < 3
+        or clause[-1] not in ("first", "second", "last", "next")
+        or clause[-2] in ("the", "my", "a", *lexicon.EXTREMES, *lexicon.QUALITIES)
+    ):
+        return clause
+    return ["first", *clause[:-1]] if index and clause[-1] == "first" else clause[:-1]
 
 
 def drop_first(clause: list[str]) -> list[str]:
@@ -113,16 +160,36 @@ def _reorder_after(tokens: list[str]) -> list[str]:
     """Puts "after you took the cup, take the apple" and "before you take B, take A" in the order of doing."""
     if tokens and tokens[0] in ("after", "before", "once", "when", "as") and "," in tokens:
         cut = tokens.index(",")
-        first, second = tokens[1:cut], tokens[cut + 1 :]
-        first = [t for t in first if t not in ("you", "have", "soon", "as", "that")]
-        first = [{"took": "take", "taken": "take", "taking": "take", "picked": "pick", "picking": "pick", "putting": "put",
-                  "placed": "place", "placing": "place", "grabbed": "grab", "grabbing": "grab"}.get(t, t) for t in first]  # fmt: skip
+        first, second = [t for t in tokens[1:cut] if t not in ("soon", "as")], tokens[cut + 1 :]
+        done = _action(first)
+        first = done if done is not None else [t for t in first if t not in _DOERS]
         return [*second, "then", *first] if tokens[0] == "before" else [*first, "then", *second]
     for cut, token in enumerate(tokens):  # "take the bowl after putting the block in the bin"
-        if cut and token in ("after", "before") and tokens[cut + 1 : cut + 2] and tokens[cut + 1] in GERUNDS:
-            first, second = tokens[:cut], [GERUNDS[tokens[cut + 1]], *tokens[cut + 2 :]]
-            return [*second, "then", *first] if token == "after" else [*first, "then", *second]
+        if not cut or token not in TEMPORAL or tokens[cut - 1] in (",", "and", "then", "the"):
+            continue
+        first, later = tokens[:cut], _action(tokens[cut + 1 :])
+        if later is None and token in ("after", "before") and _is_pick(first) and tokens[cut + 1 : cut + 2] == ["the"]:
+            later = tokens[cut + 1 :]  # "take the apple after the banana": both are taken
+            first, later = (first, later) if token == "before" else ([first[0], *later], first[1:])
+            return [*first, "then", *later]
+        if later is not None:
+            return [*first, "then", *later] if token == "before" else [*later, "then", *first]
     return tokens
+
+
+def _action(tokens: list[str]) -> list[str] | None:
+    """What "you have taken the cup" or "taking the cup" says to do, or None if it is no action."""
+    while tokens and tokens[0] in _DOERS:
+        tokens = tokens[1:]
+    if not tokens:
+        return None
+    tokens = [{**GERUNDS, **PAST}.get(tokens[0], tokens[0]), *tokens[1:]]
+    return tokens if find_verb(tokens) is not None else None
+
+
+def _is_pick(tokens: list[str]) -> bool:
+    verb = find_verb(strip_opener(tokens))
+    return verb is not None and verb[0] == "pick" and verb[1] == 1 and len(tokens) > 2
 
 
 def _joint(tokens: list[str], i: int) -> int:
@@ -146,8 +213,8 @@ def _joint(tokens: list[str], i: int) -> int:
         if strong or starts_verb:
             return start - i + len(parts)
     if tokens[i] == ",":
-        rest = strip_opener(tokens[i + 1 :])
-        if find_verb(rest) is not None or NOT_DO.match(" ".join(rest)):
+        rest = strip_opener(trim(tokens[i + 1 :]))
+        if rest and (find_verb(rest) is not None or NOT_DO.match(" ".join(rest))):
             return 1
     return 0
 

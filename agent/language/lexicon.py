@@ -175,17 +175,17 @@ RELATIONS: tuple[tuple[str, RelationWord], ...] = (
     ("to the left of", "left_of"), ("on the left of", "left_of"), ("left of", "left_of"), ("left from", "left_of"),
     ("to the right of", "right_of"), ("on the right of", "right_of"), ("right of", "right_of"),
     ("on the left side of", "left_of"), ("on the right side of", "right_of"),
-    ("in front of", "in_front_of"), ("before", "in_front_of"), ("behind", "behind"), ("in back of", "behind"),
+    ("in front of", "in_front_of"), ("before", "in_front_of"), ("behind", "behind"), ("at the back of", "behind"), ("to the rear of", "behind"), ("on the other side of", "behind"), ("at the front of", "in_front_of"), ("in back of", "behind"),
     ("hidden by", "behind"), ("hidden behind", "behind"), ("occluded by", "behind"),
     ("nearest to", "nearest_to"), ("closest to", "nearest_to"), ("nearest", "nearest_to"), ("closest", "nearest_to"),
-    ("right next to", "near"), ("closer to", "near"), ("nearer to", "near"), ("next to", "near"), ("close to", "near"), ("near to", "near"), ("near", "near"),
+    ("right next to", "near"), ("at the side of", "near"), ("in the vicinity of", "near"), ("in the neighbourhood of", "near"), ("not far from", "near"), ("closer to", "near"), ("nearer to", "near"), ("next to", "near"), ("close to", "near"), ("near to", "near"), ("near", "near"),
     ("nearby", "near"), ("beside", "near"), ("besides", "near"), ("by the side of", "near"), ("by", "near"),
     ("alongside", "near"), ("adjacent to", "near"), ("at", "near"), ("around", "near"), ("next", "near"),
     ("touching", "touching"), ("leaning on", "touching"), ("leaning against", "touching"), ("against", "touching"),
     ("on top of", "on"), ("onto", "on"), ("upon", "on"), ("standing on", "on"), ("lying on", "on"), ("sitting on", "on"),
     ("on", "on"), ("atop", "on"), ("above", "on"), ("over", "on"),
-    ("underneath", "under"), ("under", "under"), ("beneath", "under"), ("below", "under"), ("supporting", "under"),
-    ("in between", "between"), ("between", "between"),
+    ("underneath", "under"), ("buried under", "under"), ("under", "under"), ("beneath", "under"), ("below", "under"), ("supporting", "under"),
+    ("in between", "between"), ("in among", "between"), ("between", "between"),
     ("from behind", "behind"), ("from under", "under"), ("from underneath", "under"), ("from beneath", "under"),
     ("from inside", "in"), ("from within", "in"), ("from next to", "near"), ("from beside", "near"), ("from between", "between"),
     ("from in front of", "in_front_of"), ("from on top of", "on"), ("from the top of", "on"), ("off of", "on"), ("off", "on"), ("out of", "in"), ("from", "on"),
@@ -195,8 +195,22 @@ RELATIONS: tuple[tuple[str, RelationWord], ...] = (
 
 BINS = (
     "bin", "the bin", "trash", "trash can", "trashcan", "rubbish", "rubbish bin", "garbage", "garbage can", "waste bin",
-    "waste basket", "wastebasket", "basket", "dustbin", "dust bin", "waste", "tray",
+    "waste basket", "waste paper basket", "recycling bin", "recycling", "rubbish can", "rubbish basket", "litter bin", "garbage bin", "trash bin", "wastebasket", "basket", "dustbin", "dust bin", "waste", "tray",
 )  # fmt: skip
+
+CONTAINERS = (
+    "bowl",
+    "ceramic bowl",
+    "cereal bowl",
+    "soup bowl",
+    "salad bowl",
+    "box",
+    "carton",
+    "cardboard box",
+    "package",
+    "container",
+)
+"""Nouns into which a thing goes that is brought "to" them."""
 
 MEASURES: dict[str, Measure] = {
     **dict.fromkeys(
@@ -210,17 +224,37 @@ MEASURES: dict[str, Measure] = {
 
 PICK_VERBS = (
     "pick up", "pick", "grab", "grasp", "take", "lift up", "lift", "get", "fetch", "seize", "hold", "raise", "collect",
-    "retrieve", "catch", "clutch", "grip", "snatch", "select", "acquire",
+    "retrieve", "catch", "clutch", "grip", "snatch", "select", "acquire", "scoop up", "scoop", "hoist up", "hoist", "elevate",
+    "pluck", "get hold of", "take hold of", "grab hold of", "lay hold of", "catch hold of", "reach for", "go for", "clasp",
+    "nab", "snag", "secure", "procure", "obtain", "gather up", "gather", "take out", "get out", "lift out", "fish out",
+    "dig out", "pick out", "choose", "recover", "extract", "take up", "raise up", "haul up", "haul", "grab up", "hold up",
+    "go get", "go fetch", "go grab", "go take", "go pick up", "get your hand on", "get your hands on", "uplift", "heave",
 )  # fmt: skip
-HAND_VERBS = ("hand over", "hand", "give", "pass", "bring", "deliver", "offer", "serve")
+HAND_VERBS = (
+    "hand over",
+    "hand",
+    "give",
+    "pass",
+    "bring",
+    "deliver",
+    "offer",
+    "serve",
+    "present",
+    "lend",
+    "bring over",
+    "pass over",
+    "send over",
+)
 PLACE_VERBS = (
     "put down", "put", "place", "drop off", "drop", "set down", "set", "move", "lay down", "lay", "deposit", "throw", "toss",
     "chuck", "dump", "stash", "leave", "position", "stick", "shift", "transfer", "relocate", "release", "let go of", "stack",
-    "carry", "slide",
+    "carry", "slide", "rest", "stand", "park", "plop", "plonk", "pop", "stow", "tuck", "lower", "let down",
+    "store", "drop in", "put back down", "rest down", "stick down",
 )  # fmt: skip
 DISCARD_VERBS = (
     "throw away", "throw out", "dispose of", "get rid of", "trash", "bin", "discard", "remove", "toss out", "clear away",
-    "dump", "clear", "tidy away", "clean up", "put away", "tidy up",
+    "dump", "clear", "tidy away", "clean up", "put away", "tidy up", "ditch", "scrap", "junk", "chuck out", "chuck away",
+    "toss away", "recycle", "do away with", "get shot of", "eliminate", "bin off", "take away",
 )  # fmt: skip
 """Verbs that mean the bin by themselves."""
 SORT_VERBS = ("sort", "arrange", "order", "line up", "rank", "organize", "organise")
@@ -232,33 +266,14 @@ UNABLE: dict[str, str] = {
         ("open", "close", "unscrew", "screw", "uncork", "cut", "slice", "peel", "break", "smash", "crush", "squeeze",
          "cook", "wash", "wipe", "eat", "drink", "stir", "shake", "rotate", "turn", "flip", "push", "pull", "kick", "hit",
          "poke", "press", "roll", "spin", "write", "draw", "sing", "dance", "walk", "drive", "fly", "jump", "fold", "tie",
-         "hammer", "drill", "paint", "juggle", "balance", "sweep", "vacuum", "type", "call", "charge"),
+         "hammer", "drill", "paint", "juggle", "balance", "sweep", "vacuum", "type", "call", "charge", "bend", "twist", "tear",
+         "rip", "crack", "burn", "heat", "boil", "mix", "blend", "wrap", "unwrap", "knock over", "knock", "tip over", "tip",
+         "tickle", "lick", "taste", "smell", "scratch", "swing", "hug", "kiss", "punch", "stab", "bite", "attack", "destroy",
+         "demolish", "ruin", "damage", "polish", "glue", "assemble", "build", "dismantle", "unpack", "plug", "unplug", "switch",
+         "install", "repair", "fix", "bounce", "climb", "run", "swim", "crawl", "drag", "tap", "swap", "exchange", "duplicate",
+         "melt", "inflate", "buy", "sell", "nudge", "shove", "bump", "topple", "slam", "fling", "hurl", "launch", "catapult",
+         "weigh", "measure", "stretch", "chop", "bake", "fry", "stir up", "tilt", "lean", "hang", "hide", "bury", "explode"),
         "I cannot do that",
     ),
 }  # fmt: skip
 """Verb -> the reason for refusing it."""
-
-FILLERS = (
-    "please", "kindly", "just", "now", "robot", "panda", "hey", "hi", "hello", "ok", "okay", "well", "so", "um", "uh", "oh",
-    "gently", "carefully", "slowly", "quickly", "softly", "immediately", "again", "maybe", "simply", "thanks", "thank you",
-    "cheers", "alright", "then", "also", "too", "right now", "for me", "if you can", "if possible", "if you do not mind",
-    "after that", "after this", "thank you very much", "thank you so much",
-    "thanks a lot", "many thanks", "thanks very much", "as soon as possible", "very carefully", "really", "finally", "next", "pls", "plz", "buddy",
-    "my friend", "dear", "there", "quick", "try to", "go ahead and", "i said", "with your gripper", "with the gripper",
-    "with care", "sir", "mate", "afterwards", "for us", "somewhere safe", "over there", "right there",
-)  # fmt: skip
-"""Words and phrases that change nothing; taken away at the ends of a clause."""
-
-TAGS = ("would you", "will you", "could you", "can you", "would you mind", "right", "okay")
-"""Fillers at the end of a command only: at its beginning they open a request."""
-
-OPENERS = (
-    "would you be so kind as to", "be so kind as to", "would you be so kind and", "would you mind", "do you mind", "can i ask you to",
-    "could you please", "can you please", "would you please", "could you", "can you", "would you kindly",
-    "would you", "will you", "i want you to", "i would like you to", "i need you to", "i want to see you", "you should",
-    "you can", "you may", "you must", "let us", "let me see you", "try to", "please try to", "go and", "go ahead and",
-    "i wish you would", "i am asking you to", "your task is to", "your job is to", "the task is to", "make sure to",
-    "do me a favour and", "do me a favor and", "are you able to", "is it possible to", "how about you", "why do not you",
-    "start by", "begin by", "start with", "begin with", "i would appreciate it if you could", "help me",
-)  # fmt: skip
-"""Polite or roundabout beginnings of a command."""

@@ -9,6 +9,7 @@ from agent.goal import Goal, Measure, Placement, Reference
 from agent.language import lexicon
 from agent.language.clauses import HAND_ME, drop_first, find_verb
 from agent.language.cut_phrase import TABLE
+from agent.language.read_clearing import read_clearing
 from agent.language.read_place import read_place
 from agent.language.read_reference import is_reference, read_reference
 from agent.language.words import mend
@@ -19,22 +20,9 @@ CANNOT_READ = (
 )
 LET_GO = re.compile(r"^(?:let go|open (?:your|the) (?:hand|gripper|fingers)|release|drop|let it go|free your hand)$")
 HAND_TO_ME = re.compile(
-    r"^(?:hand|give|pass|bring|offer|deliver|hand over|pass over|take|get)\s+(?P<what>.+?)\s+(?:over )?(?:to|for) me(?: please)?$"
+    r"^(?:hand|give|pass|bring|offer|deliver|hand over|pass over|take|get)\s+(?P<what>.+?)\s+(?<!nearest )(?<!closest )(?<!farthest )(?<!furthest )(?<!next )(?<!close )"
+    r"(?:over )?(?:to|for) me(?: please)?$"
 )
-CLEAR = re.compile(
-    r"^(?:clear|clean|tidy|empty|free)(?: up| off| away| out)?(?: the| my| this| up the| your)? (?:whole |entire )?"
-    r"(?:table|desk|tabletop|workspace|surface|scene|mess|everything|place|all)(?: up| off| away| please| completely)*"
-    r"(?: (?:into|in|to) (?:the )?(?:bin|trash|basket))?(?P<rest> .*)?$"
-)
-CLEAN_UP = re.compile(r"^(?:clean|tidy|clear) (?:up|away)(?: here)?(?P<rest> (?:except|but|without|apart from) .*)?$")
-EVERYTHING_AWAY = re.compile(
-    r"^(?:put|place|move|throw|get|take|remove|discard|drop|toss|bring|pick up|pick|bin|trash|dispose of|get rid of|put away|"
-    r"throw away|collect|dump|throw out) (?:away )?(?P<what>(?:everything|all(?: of)?(?: the| these| those)? (?:things|objects|items|stuff)"
-    r"|all of (?:it|them)|it all|the (?:objects|things|items)|all|them all|every (?:object|thing|item)|each (?:object|thing|item)).*?)"
-    r"(?P<where> (?:away|out|off|up|(?:off|from) the table|(?:in|into|to|inside) (?:the |a )?(?:bin|trash(?: can)?|basket|garbage|"
-    r"rubbish(?: bin)?|tray|dustbin)))*(?P<rest> (?:except|but|apart from|other than|without) .*)?$"
-)
-TAKING = re.compile(r"^(?:pick|take|get(?! rid)|collect)\b")
 SORTED_BY = re.compile(
     r"\b(?:by|according to|based on|after|in order of|in terms of|with respect to|how|from|on)\s+(?P<how>.+)$"
 )
@@ -42,11 +30,17 @@ DESCENDING = re.compile(
     r"\b(?:descending|decreasing|(?:most|biggest|largest|heaviest|tallest|most fragile) (?:one |ones |fragile |things |objects )?"
     r"first|from (?:the )?(?:most|big|biggest|large|largest|heavy|heaviest|tall|tallest|high|fragile)\b|reverse)"
 )
+SPARED = re.compile(r"(?:except|but|apart from|other than|without|excluding)\b.+$")
 FROM_RIGHT = re.compile(r"\bfrom (?:the )?right to (?:the )?left\b")
 GRIP_OF = re.compile(r"^(?:the |its |a )?(?:handle|rim|body|stem|neck|edge|shaft) of (?:the )?")
 GRIP = re.compile(
     r" (?:by|at|on|from|with|using) (?:the |its |a |one |an )?(?:handle|rim|body|stem|neck|edge|edges|top|above|side|sides|below|grip|"
     r"(?:pinch|power|side|firm|gentle|soft|tight|strong|light) (?:grasp|grip))$"
+)
+
+
+IN_ORDER = re.compile(
+    r" (?:in|into) (?:an? |the )?(?:[a-z]+ )?(?:order|sequence|row|line)(?: (?:of|by|from|according to))? (?P<how>.+)$"
 )
 
 
@@ -67,7 +61,7 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
         before: goals of earlier clauses, whose verb and object carry over ("then the apple", "put it in the bin").
     """
     line = " ".join(clause)
-    whole = _whole_table(line)
+    whole = read_clearing(line)
     if whole is not None:
         return whole
     if LET_GO.match(line):
@@ -80,6 +74,9 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
         return _verbless(clause, before)
     action, length = verb
     rest = clause[length:]
+    ordered = IN_ORDER.search(" ".join(rest))
+    if action == "place" and ordered:
+        return _sort([*" ".join(rest)[: ordered.start()].split(), "by", *ordered["how"].split()])
     if action == "sort":
         return _sort(rest)
     if action == "discard":
@@ -87,6 +84,14 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
     if action == "place":
         return _place(rest, default=_place_default(clause[:length], rest))
     if action == "hand":
+        thing, placement = read_place(rest)
+        if (
+            thing
+            and placement is not None
+            and placement.kind in ("bin", "side", "on", "beside")
+            and not {"me", "us"} & set(rest)
+        ):
+            return _each(thing, "place", placement)  # "bring the cup to the left"
         return _each([t for t in rest if t not in ("me", "over", "us")], "pick", Placement(kind="hand_over"))
     return _pick(rest)
 
@@ -100,31 +105,10 @@ def _place_default(verb: list[str], rest: list[str]) -> Placement | None:
         "down" in rest
         or "aside" in rest
         or "down" in verb
-        or said in ("release", "let go of", "drop off", "drop", "leave", "deposit")
+        or said in ("release", "let go of", "drop off", "drop", "leave", "deposit", "lower", "stand", "park")
     ):
         return Placement(kind="aside")
     return Placement(kind="aside") if said in ("move", "shift", "relocate", "carry", "slide", "transfer") else None
-
-
-def _whole_table(line: str) -> list[Goal] | None:
-    """Clearing the table in any of its wordings."""
-    for regex in (CLEAR, CLEAN_UP, EVERYTHING_AWAY):
-        found = regex.match(line)
-        if not found:
-            continue
-        if regex is EVERYTHING_AWAY and TAKING.match(line) and not found["where"]:
-            return None
-        spared = (found["rest"] or "").split()
-        what = (found.groupdict().get("what") or "everything").split()
-        reading = read_reference([*what, *spared])
-        if reading.contradiction or reading.unknown:
-            return None
-        noun = reading.found.get("noun")
-        if noun is None or noun in lexicon.GENERIC:  # "all the cups" are the cups, not everything
-            noun = "everything"
-        reference = Reference(**{**reading.found, "plural": True, "noun": noun})
-        return [Goal(kind="clear", reference=reference, placement=Placement(kind="bin"))]
-    return None
 
 
 def _sort(rest: list[str]) -> list[Goal] | AskBack | str:
@@ -134,6 +118,9 @@ def _sort(rest: list[str]) -> list[Goal] | AskBack | str:
     if measure is None and by:
         return "I can sort by fragility, by size or by weight, and by nothing else."
     what = line[: by.start()].split() if by else []
+    spared = SPARED.search(by["how"]) if by else None
+    if spared:
+        what = [*(what or ["everything"]), *spared[0].split()]
     what = [
         t for t in what if t not in ("out", "up", "them", "it", "from", "left", "to", "right", "in", "a", "row", "line")
     ]
@@ -204,6 +191,8 @@ def _place(rest: list[str], default: Placement | None) -> list[Goal] | AskBack |
 
 def _has_place(tokens: list[str]) -> bool:
     thing, placement = read_place(tokens)
+    if placement is not None and placement.kind in ("on", "beside"):
+        return bool(thing) and "between" not in tokens
     return bool(thing) and placement is not None and placement.kind in ("bin", "side", "aside", "hand_over")
 
 
@@ -244,7 +233,7 @@ def _verbless_thing(clause: list[str]) -> list[Goal] | str:
 def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: bool = False) -> list[Goal] | str:
     """One goal per thing of an enumeration ("the cup, the apple and the ball")."""
     goals: list[Goal] = []
-    for part in map(drop_first, _enumeration(tokens)):
+    for part in map(drop_first, _apposed(_enumeration(tokens))):
         reading = read_reference(part)
         if reading.contradiction:
             return f"That contradicts itself: {reading.contradiction}."
@@ -257,6 +246,15 @@ def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: 
             Goal(kind="pick" if kind == "pick" else "place", reference=Reference(**reading.found), placement=placement)
         )
     return goals or CANNOT_READ
+
+
+def _apposed(parts: list[list[str]]) -> list[list[str]]:
+    """Takes "the cup, the full one" as one thing: the second part only says which."""
+    if len(parts) != 2 or "one" not in parts[1] or parts[1][0] not in ("the", "that"):
+        return parts
+    first = read_reference(parts[0]).found
+    bare = set(first) <= {"noun", "categories", "known", "words", "plural", "count"} and first.get("noun") != "one"
+    return [[*parts[0], *(t for t in parts[1] if t not in ("the", "that", "one"))]] if bare else parts
 
 
 def _readable(unknown: list[str], found: dict[str, object], strict: bool) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 
 from agent.goal import Goal, Reference, Understanding
-from agent.language import lexicon
+from agent.language import courtesies, lexicon
 from agent.language.asides import untouchable, without_asides
 from agent.language.clauses import GERUNDS, NOT_DO, find_verb, split_clauses, strip_opener, trim
 from agent.language.read_clause import CANNOT_READ, AskBack, read_clause, read_measure
@@ -18,6 +18,8 @@ from agent.language.read_place import read_place
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
 from agent.language.refusals import refuse
+from agent.language.rephrase import rephrased
+from agent.language.stop import says_stop
 from agent.language.words import words
 
 OR = re.compile(r"\bor\b")
@@ -40,12 +42,15 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         text: the instruction as typed, at most 10,000 characters.
         pending: the goal about which the agent asked back last, which a bare noun phrase then completes.
     """
-    tokens = trim(words(text))
-    if not tokens:
+    said = trim(words(text))
+    if not said:
         return Understanding(refusal=CANNOT_READ)
+    if says_stop(" ".join(said)):
+        return Understanding(goals=(Goal(kind="answer", query="stop"),))
+    tokens = trim(rephrased(" ".join(said)).split())
     line = " ".join(tokens)
-    asked = read_question(line)
-    if asked is None and line.startswith(lexicon.OPENERS):
+    asked = read_question(" ".join(said)) or read_question(line)
+    if asked is None and line.startswith(courtesies.OPENERS):
         asked = read_question(" ".join(strip_opener(tokens)))
     if isinstance(asked, str):
         return Understanding(refusal=asked)
@@ -54,7 +59,7 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
     refusal = refuse(line)
     if refusal is not None:
         return Understanding(refusal=refusal)
-    if OR.search(line) and find_verb(strip_opener(tokens)) is not None:
+    if OR.search(line) and (find_verb(strip_opener(tokens)) is not None or _alternatives(tokens)):
         return Understanding(question=f"One thing or the other: {line}? Please tell me which.")
     if untouchable(line):
         return Understanding(refusal="That contradicts itself: I cannot take a thing without touching it.")
@@ -63,6 +68,15 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         if completed is not None:
             return completed
     return _commands(trim(without_asides(CORRECTED.sub("", " ".join(strip_opener(tokens)))).split()))
+
+
+def _alternatives(tokens: list[str]) -> bool:
+    """Whether it names things one of which is meant ("either the cup or the mug")."""
+    parts = " ".join(t for t in tokens if t != "either").split(" or ")
+    if any(find_verb(part.split()) or part == "it" for part in parts):
+        return False
+    readings = [read_reference(part.split()) for part in parts]
+    return all(is_reference(r) and not r.unknown and not r.contradiction for r in readings)
 
 
 def _complete(tokens: list[str], pending: Goal) -> Understanding | None:
@@ -165,11 +179,34 @@ def _fit(goals: list[Goal], forbidden: list[Reference]) -> Understanding:
                 return Understanding(
                     refusal=f"That contradicts itself: I am to handle {_the(taboo)} and not to. Nothing was moved."
                 )
-    goals = _bound(_without_repeats(goals))
+    goals = _bound(_without_repeats(_resting(goals, forbidden)))
     spared = tuple(forbidden)
     if spared:
         goals = [_sparing(goal, spared) if goal.kind in ("clear", "sort") else goal for goal in goals]
     return Understanding(goals=tuple(goals))
+
+
+def _resting(goals: list[Goal], forbidden: list[Reference]) -> list[Goal]:
+    """In "put the cup on the left and clear the rest" the rest is everything but the cup."""
+    said: list[Reference] = []
+    resting: list[Goal] = []
+    for goal in goals:
+        reference = goal.reference
+        rest = (
+            reference is not None
+            and reference.other
+            and reference.plural
+            and reference.noun in (None, *lexicon.GENERIC)
+        )
+        if reference is not None and rest:
+            named = () if goal.kind in ("clear", "sort") else tuple(forbidden)  # those are spared in any case
+            spared = (*reference.excluding, *named, *(r for r in said if r not in forbidden))
+            update = {"noun": "everything", "other": not (spared or forbidden), "excluding": spared}
+            goal = goal.model_copy(update={"reference": reference.model_copy(update=update)})
+        elif reference is not None and not reference.pronoun:
+            said.append(reference)
+        resting.append(goal)
+    return resting
 
 
 def _onto_itself(thing: Reference | None, other: Reference | None) -> bool:

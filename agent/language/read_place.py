@@ -38,7 +38,15 @@ def read_place(tokens: list[str]) -> tuple[list[str], Placement | None]:
     """
     for start in range(1, len(tokens)):
         placement = _fixed(" ".join(tokens[start:]))
-        if placement is not None and tokens[start - 1] in ("closest", "nearest", "close", "near", "next"):
+        if placement is not None and tokens[start - 1] in (
+            "closest",
+            "nearest",
+            "close",
+            "near",
+            "next",
+            "furthest",
+            "farthest",
+        ):
             continue  # "the cup closest to me" is a thing, not a destination
         if placement is not None:
             return _without_comma(tokens[:start]), placement
@@ -90,6 +98,12 @@ def _beside(tokens: list[str]) -> Placement | None:
         if relation in ("on", "in", "under"):
             return None if relation == "under" else Placement(kind="on", relation=relation, reference=other)
         return Placement(kind="beside", relation=RELATIONS[relation], reference=other)
+    if tokens[:1] == ["to"] and tokens[1:2] and tokens[1] in ("the", "that", "this", "my", "a"):
+        reading = read_reference(tokens[1:])  # "to the bowl" is into it, "to the vase" beside it
+        if reading.unknown or reading.found.get("side") or not reading.found.get("categories"):
+            return None
+        into = reading.found["noun"] in lexicon.CONTAINERS
+        return _beside(["in" if into else "near", *tokens[1:]])
     return None
 
 
@@ -97,7 +111,27 @@ def _dangling(tokens: list[str]) -> bool:
     """Whether what is left as the thing ends in half a phrase ("the cup to")."""
     if tokens[-1] == "right" and tokens[-2:-1] != ["the"]:
         return True
-    return tokens[-1] in ("to", "on", "in", "at", "the", "of", "standing", "lying", "is", "that")
+    return tokens[-1] in (
+        "next",
+        "close",
+        "closer",
+        "nearer",
+        "near",
+        "nearest",
+        "closest",
+        "adjacent",
+        "up",
+        "to",
+        "on",
+        "in",
+        "at",
+        "the",
+        "of",
+        "standing",
+        "lying",
+        "is",
+        "that",
+    )
 
 
 def _without_comma(tokens: list[str]) -> list[str]:

@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
-
 from agent.goal import Reference, RelationTo, RelationWord
 from agent.language import lexicon
 from agent.language.cut_phrase import ARTICLES, TABLE, split_exceptions, split_list, split_relation
+from agent.language.read_adjective import CLAUSE_WORDS, Reading, longest, read_adjective, read_number
 from agent.language.words import singular
 
 INDEFINITE = ("a", "an", "any", "some", "either", "whichever")
-PRONOUNS = ("it", "that", "this", "them", "him", "these", "those", "that one", "this one")
-CLAUSE_WORDS = ("that", "which", "who", "is", "are", "was", "were", "standing", "lying", "sitting", "placed", "located",
-                "you", "see", "can", "there", "currently", "situated", "here")  # fmt: skip
-STATES = {"filled": "filled", "full": "filled", "empty": "empty"}
+PRONOUNS = (
+    "it",
+    "that",
+    "this",
+    "them",
+    "them all",
+    "all of them",
+    "both of them",
+    "them both",
+    "same",
+    "the same",
+    "the same one",
+    "him",
+    "these",
+    "those",
+    "that one",
+    "this one",
+)
+_ANY_ONE = ("one", "any", "either", "a", "whichever", "just", "single", "only", "1")
+_SINGLING = frozenset(
+    word
+    for word in (*lexicon.EXTREMES, *lexicon.QUALITIES, *lexicon.ORDINALS, *lexicon.COLOURS, *lexicon.SIDES)
+    if " " not in word
+)
 QUESTION_WORDS = (
     "what",
     "who",
@@ -32,33 +50,6 @@ QUESTION_WORDS = (
     "can",
     "will",
 )
-UNITS = (
-    "kg",
-    "kilo",
-    "kilos",
-    "kilogram",
-    "kilograms",
-    "g",
-    "gram",
-    "grams",
-    "pound",
-    "pounds",
-    "lb",
-    "lbs",
-    "cm",
-    "mm",
-    "n",
-)
-
-
-@dataclass
-class Reading:
-    """A noun phrase being read: the fields found, what was not understood, and what contradicts itself."""
-
-    found: dict[str, Any] = field(default_factory=dict)
-    unknown: list[str] = field(default_factory=list)
-    contradiction: str | None = None
-    any: bool = False
 
 
 def read_reference(tokens: list[str]) -> Reading:
@@ -69,8 +60,12 @@ def read_reference(tokens: list[str]) -> Reading:
     """
     reading = Reading()
     tokens, excluded = split_exceptions(tokens)
+    tokens, one_of = _partitive(tokens)
     head, relation, others = split_relation(tokens)
     _read_head(head, reading)
+    if one_of:
+        reading.found.update(plural=False, count=None)
+        reading.any = one_of == "any"
     if relation is not None:
         _read_relation(relation, others, reading)
     if excluded:
@@ -79,6 +74,27 @@ def read_reference(tokens: list[str]) -> Reading:
     if reading.any:
         reading.found["anyone"] = True
     return reading
+
+
+def _partitive(tokens: list[str]) -> tuple[list[str], str]:
+    """For "one of the cups", "the smaller of the two boxes": (the phrase without "of the", how one of several is singled out)."""
+    for cut, token in enumerate(tokens[:-1]):
+        if token != "of" or tokens[cut + 1] not in ("the", "these", "those", "my", "your", "them", "all"):
+            continue
+        before = [t for t in tokens[:cut] if t != "the"]
+        rest = ["one"] if tokens[cut + 1] == "them" else tokens[cut + 2 :]
+        if before and before[-1] in lexicon.SIDES:
+            break  # "left of the bowl" is a place
+        single = [t for t in before if t in _SINGLING]
+        if before and all(t in _ANY_ONE for t in before):
+            return rest, "any"
+        if single and before[-1] in ("one", *single):
+            return [
+                *[t for t in before if t != "one"],
+                *[t for t in rest if t not in lexicon.NUMBERS and not t.isdigit()],
+            ], "one"
+        break
+    return tokens, ""
 
 
 def reference(tokens: list[str]) -> Reference | None:
@@ -137,21 +153,6 @@ def _read_exclusions(groups: list[list[str]], reading: Reading) -> None:
     reading.found["excluding"] = tuple(refused)
 
 
-def _longest(
-    tokens: list[str], start: int, table: Any, most: int = 3, *, plural: bool = False
-) -> tuple[str | None, int]:
-    """The longest phrase of `table` at `start` (singular form allowed), and its length."""
-    for length in range(min(most, len(tokens) - start), 0, -1):
-        phrase = " ".join(tokens[start : start + length])
-        if phrase in table:
-            return phrase, length
-        if plural:
-            single = " ".join([*tokens[start : start + length - 1], singular(tokens[start + length - 1])])
-            if single in table:
-                return single, length
-    return None, 0
-
-
 def _read_head(tokens: list[str], reading: Reading) -> None:
     """Reads adjectives, numbers and the head noun, left to right."""
     found, i = reading.found, 0
@@ -160,7 +161,7 @@ def _read_head(tokens: list[str], reading: Reading) -> None:
         return
     while i < len(tokens):
         token = tokens[i]
-        step = _read_number(tokens, i, reading) or _read_adjective(tokens, i, reading) or _read_noun(tokens, i, reading)
+        step = read_number(tokens, i, reading) or read_adjective(tokens, i, reading) or _read_noun(tokens, i, reading)
         if step:
             i += step
             continue
@@ -186,63 +187,9 @@ def _read_head(tokens: list[str], reading: Reading) -> None:
         _take_unknown_noun(tokens, reading)
 
 
-def _read_number(tokens: list[str], i: int, reading: Reading) -> int:
-    found, token = reading.found, tokens[i]
-    if token in lexicon.ORDINALS and not (token == "second" and tokens[i + 1 : i + 2] == ["s"]):
-        found["ordinal"] = lexicon.ORDINALS[token]
-        rest = tokens[i + 1 :]
-        for side in ("left", "right", "front", "back"):
-            if "from" in rest and side in rest:
-                found["ordinal_from"] = side
-        return 1
-    if token.replace(".", "", 1).isdigit() and tokens[i + 1 : i + 2] and tokens[i + 1] in UNITS:
-        return 2
-    if token in lexicon.NUMBERS or token.isdigit():
-        count = lexicon.NUMBERS.get(token) or int(token)
-        found["count"] = count
-        found["plural"] = True
-        return 1
-    if token in ("obj", "object") and i + 1 < len(tokens) and tokens[i + 1].isdigit():
-        found["ids"] = (f"obj_{tokens[i + 1]}",)
-        found["noun"] = "object"
-        return 2
-    return 0
-
-
-def _read_adjective(tokens: list[str], i: int, reading: Reading) -> int:
-    found, token = reading.found, tokens[i]
-    phrase, length = _longest(tokens, i, lexicon.EXTREMES, 2)
-    if phrase and not (phrase in ("middle", "centre", "center", "central") and _says_side(tokens, i)):
-        _set(reading, "extreme", lexicon.EXTREMES[phrase])
-        return length
-    if token in lexicon.COLOURS and not _is_head_noun(tokens, i):
-        _set(reading, "colour", token)
-        return 1
-    if token in lexicon.MATERIALS and (not _is_head_noun(tokens, i) or token not in lexicon.NOUNS):
-        if _longest(tokens, i, lexicon.NOUNS, plural=True)[1] > 1:
-            return 0
-        _set(reading, "material", lexicon.MATERIALS[token])
-        return 1
-    if token in lexicon.QUALITIES:
-        _set(reading, "quality", lexicon.QUALITIES[token])
-        return 1
-    if token in lexicon.SHAPES:
-        _set(reading, "shape", token)
-        return 1
-    if token in STATES:
-        _set(reading, "state", STATES[token])
-        return 1
-    if token in lexicon.SIDES and "ordinal" not in found:
-        _set(reading, "side", lexicon.SIDES[token])
-        return 1
-    if token in lexicon.SIDES:
-        return 1
-    return 0
-
-
 def _read_noun(tokens: list[str], i: int, reading: Reading) -> int:
     found = reading.found
-    phrase, length = _longest(tokens, i, lexicon.NOUNS, plural=True)
+    phrase, length = longest(tokens, i, lexicon.NOUNS, plural=True)
     if phrase:
         plural = phrase != " ".join(tokens[i : i + length])
         if found.get("noun") and found["noun"] != "one":
@@ -260,7 +207,7 @@ def _read_noun(tokens: list[str], i: int, reading: Reading) -> int:
         if tokens[i] in ("anything", "something"):
             reading.any = True
         return 1
-    phrase, length = _longest(tokens, i, lexicon.UNSEEN_NOUNS, plural=True)
+    phrase, length = longest(tokens, i, lexicon.UNSEEN_NOUNS, plural=True)
     if phrase and not found.get("noun"):
         found.update(noun=phrase, categories=(), known=False)
         return length
@@ -273,21 +220,6 @@ def _note_second_noun(phrase: str, reading: Reading) -> None:
         reading.contradiction = reading.contradiction or f"{reading.found['noun']} and {phrase} at once"
 
 
-def _is_head_noun(tokens: list[str], i: int) -> bool:
-    """Whether the word at `i` is the last of its phrase, so that "the glass" and "the orange" are nouns."""
-    if tokens[i] not in ("glass", "orange", "china", "tool"):
-        return False
-    rest = [t for t in tokens[i + 1 :] if t not in (*ARTICLES, *CLAUSE_WORDS, ",")]
-    if not rest:
-        return True
-    nouns = (*lexicon.NOUNS, *lexicon.GENERIC, *lexicon.UNSEEN_NOUNS)
-    return not any(singular(t) in nouns or t in lexicon.COLOURS for t in rest)
-
-
-def _says_side(tokens: list[str], i: int) -> bool:
-    return i > 0 and tokens[i - 1] == "the" and i > 1 and tokens[i - 2] in ("in", "on", "at", "to")
-
-
 def _take_unknown_noun(tokens: list[str], reading: Reading) -> None:
     """A word we don't know in the place of the head noun ("the gizmo") is a noun that we don't know."""
     determined = any(t in (*ARTICLES, *INDEFINITE) for t in tokens) or reading.found
@@ -295,11 +227,3 @@ def _take_unknown_noun(tokens: list[str], reading: Reading) -> None:
     if determined and last.isalpha() and len(last) > 2 and last not in QUESTION_WORDS:
         reading.found.update(noun=singular(last), categories=(), known=False)
         reading.unknown = reading.unknown[:-1]
-
-
-def _set(reading: Reading, key: str, value: Any) -> None:
-    """Sets a field; two different values for it contradict each other."""
-    old = reading.found.get(key)
-    if old is not None and old != value:
-        reading.contradiction = reading.contradiction or f"{old} and {value} at once".replace("_", " ")
-    reading.found[key] = value

@@ -12,13 +12,13 @@ MAX_PAYLOAD = 3.0
 TWO_ARMS = re.compile(
     r"\b(?:both|two|2|three|your other) (?:of your )?(?:hands|arms|grippers|robots|arm|hand)\b|\bbimanual|\bother (?:arm|hand|gripper)\b|"
     r"\b(?:at the same time|simultaneously|at once|in parallel)\b.*\b(?:and|both|two)\b|\b(?:and|both|two)\b.*"
-    r"\b(?:at the same time|simultaneously|at once|in parallel)\b|\btwo at a time\b|\bsecond arm\b|\bleft (?:hand|arm)\b.*\bright (?:hand|arm)\b|\bright (?:hand|arm)\b.*\bleft (?:hand|arm)\b"
+    r"\b(?:at the same time|simultaneously|at once|in parallel)\b|\btwo at a time\b|\btogether (?:at once|in one go|in one hand)\b|\b(?:and|both|two|all)\b.*\b(?:at once|in one go|in one grasp|with one grasp|in one move)\b|\b(?:left|right) (?:hand|arm) and\b|\bsecond arm\b|\bleft (?:hand|arm)\b.*\bright (?:hand|arm)\b|\bright (?:hand|arm)\b.*\bleft (?:hand|arm)\b"
 )
 WEIGHT = re.compile(r"(\d+(?:\.\d+)?)\s*(kg|kilo(?:gram)?s?|kilograms?|tons?|tonnes?|lbs?|pounds?|g|grams?)\b")
 TO_KG = {"k": 1.0, "t": 1000.0, "l": 0.4536, "p": 0.4536, "g": 0.001}
 POUR = re.compile(
     r"\b(?:pour|decant|refill|tip out|spill|sprinkle)\b|\bfill (?:up )?(?:the|a|my|it|this|that)\b|\bempty (?:the|a|my|it) .*\b(?:into|in|out)\b"
-    r"|\bempty (?:the|this|that|my) (?:cup|mug|bowl|bottle|glass|vase)\b|\b(?:make|serve|brew) (?:me |a |some )*(?:tea|coffee|juice|water)\b"
+    r"|\bempty (?:the|this|that|my) (?:cup|mug|bowl|bottle|glass|vase)\b|\b(?:make|serve|brew|get|give|bring|fetch|pour|have) (?:me |us )?(?:a |some )(?:cup of |glass of |cold |hot )?(?:drink|tea|coffee|juice|water|beer|milk|wine(?! glass))\b|\b(?:make|serve|brew) (?:me |a |some )*(?:tea|coffee|juice|water)\b"
 )
 UNABLE = re.compile(
     r"^(?:(?:please|just|then|now|and) )*(?P<verb>"
@@ -30,6 +30,9 @@ NOT_THINGS = re.compile(
     r"\b(?:pick up|pick|take|grab|grasp|lift|hold|get|fetch|give|hand|pass|bring|put|place|move|throw|drop|raise)\b(?: me)? "
     r"(?:up |away )?(?:yourself|myself|me$|your (?:own )?(?:arm|hand|gripper|head|body|base|finger|fingers|camera)|"
     r"the (?:robot|table|desk|floor|ceiling|wall|bin|camera|room|house|world|moonlight))(?: up| away| .*)?$"
+)
+THROWN = re.compile(
+    r"^(?:throw|toss|chuck|fling|hurl) (?:.+ )(?:at|out of the window|through|against|across|over|to (?!the (?:bin|trash|left|right|side|front|back|middle)|me|us))\b(?! the (?:bin|trash))"
 )
 OFF_TABLE = re.compile(
     r"\b(?:on|onto|off|to|over|from) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa)\b"
@@ -57,6 +60,8 @@ def refuse(line: str) -> str | None:
         )
     if NOT_THINGS.search(line):
         return "I can only move loose things that stand on the table."
+    if THROWN.match(line):
+        return "I cannot throw things at or to something: I only let go of them in the bin."
     if OFF_TABLE.search(line):
         return "I only reach the table and the bin beside it, so I cannot put anything there."
     return None

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from functools import cache
 
-from agent.language import lexicon
+from agent.language import courtesies, lexicon
 
 CONTRACTIONS: tuple[tuple[str, str], ...] = (
     (r"\bwon't\b", "will not"), (r"\bcan't\b", "can not"), (r"\bcannot\b", "can not"), (r"n't\b", " not"),
@@ -16,6 +16,12 @@ CONTRACTIONS: tuple[tuple[str, str], ...] = (
     (r"\bgimme\b", "give me"), (r"\bpickup\b", "pick up"), (r"\bwanna\b", "want to"), (r"\bgotta\b", "have to"),
     (r"\blemme\b", "let me"), (r"\bgonna\b", "going to"), (r"\bill\b", "i will"), (r"\bur\b", "your"), (r"\bu\b", "you"),
     (r"\b(teh|hte|th)\b", "the"), (r"\band than\b", "and then"),
+    (r"\bs+t+o+p+\b", "stop"), (r"\b(?:stahp|stpo|sotp|satop|tsop)\b", "stop"), (r"\s&\s", " and "),
+    (r"\b(?:wher|whre|wheer|whear)\b", "where"), (r"\b(?:waht|wat|whta|hwat|wht)\b", "what"), (r"\bwich\b", "which"), (r"\b(?:nxt|nex) to\b", "next to"),
+    (r"\b(?:wen|whn)\b", "when"), (r"\b(?:whi|wy|hwy)\b", "why"), (r"\b(?:adn|nad|annd)\b", "and"), (r"\bthx\b", "thanks"), (r"\b(?:plz|pls|plse|pleas|pleae)\b", "please"),
+    (r"\bkinda\b", "kind of"), (r"\bcoulda\b", "could have"), (r"\bwudja\b", "would you"), (r"\bcud\b", "could"), (r"\bem\b", "them"), (r"\by'all\b", "you"), (r"\bim\b", "i am"), (r"\bid like\b", "i would like"),
+    (r"\bive\b", "i have"), (r"\bcant\b", "can not"), (r"\bwont\b", "will not"), (r"\btht\b", "that"), (r"\bfrm\b", "from"), (r"\bonot\b", "onto"), (r"\bwiht\b", "with"), (r"\bdnt\b", "do not"),
+    (r"\b(?:taht|tath)\b", "that"), (r"\b(?:yuo|yu)\b", "you"), (r"\bint he\b", "in the"), (r"\bont he\b", "on the"), (r"\b(?:lft|letf)\b", "left"), (r"\b(?:rigth|rite|rihgt|rght)\b", "right"),
     (r"\bwere (is|are)\b", r"where \1"), (r"\bpik\b", "pick"), (r"\bsee through\b", "see-through"),
 )  # fmt: skip
 
@@ -51,6 +57,9 @@ COMMON = (
     "went gone came come goes gave given took taken held kept fell broke felt knew made makes told said asked wanted liked "
     "tried used looked worked seemed maybe perhaps really quite rather somehow actually sorry mean meant reasoning strategy "
     "enough newton plus minus times already still ever just being having doing getting going anyone everyone someone "
+    "simulate quit cease movement movements motion stay still remain suspend interrupt terminate power shut mess stem handle rim neck body "
+    "shaft lip brim grip grasp lost where there number overview position gone tell reason cause behind choice decision thinking "
+    "step steps task job mission grab enough topmost upper lower others lot lots bunch couple several rotten dirty chance possible "
     "pinch power grasp grip rim lip brim stem neck handle body belly gentle gentler gently softer lighter firmer tighter looser "
     "slower faster quicker yaw aperture opening wider candidate attempt attempts compare report summary forget remember "
     "touch avoid protect mind leave keep spill break careful nothing nobody nowhere anywhere somewhere somebody"
@@ -96,7 +105,7 @@ def vocabulary() -> frozenset[str]:
         *lexicon.NOUNS, *lexicon.GENERIC, *lexicon.UNSEEN_NOUNS, *lexicon.COLOURS, *lexicon.MATERIALS,
         *lexicon.QUALITIES, *lexicon.EXTREMES, *lexicon.ORDINALS, *lexicon.NUMBERS, *lexicon.SIDES, *lexicon.BINS,
         *lexicon.MEASURES, *lexicon.PICK_VERBS, *lexicon.HAND_VERBS, *lexicon.PLACE_VERBS, *lexicon.DISCARD_VERBS,
-        *lexicon.SORT_VERBS, *lexicon.UNABLE, *lexicon.FILLERS, *lexicon.OPENERS, *(p for p, _ in lexicon.RELATIONS),
+        *lexicon.SORT_VERBS, *lexicon.UNABLE, *courtesies.FILLERS, *courtesies.OPENERS, *(p for p, _ in lexicon.RELATIONS),
     ]  # fmt: skip
     return frozenset(word for phrase in phrases for word in phrase.split()) | frozenset(COMMON)
 
@@ -129,6 +138,8 @@ def mend(token: str) -> str:
     nearest = best[min(best)]
     if len(nearest) > 1:
         nearest = {word: form for word, form in nearest.items() if word in _CONTENT} or nearest
+    if len(nearest) > 1:  # two letters swapped is the likelier slip
+        nearest = {word: form for word, form in nearest.items() if sorted(form) == sorted(token)} or nearest
     return next(iter(nearest.values())) if len(nearest) == 1 else token
 
 

@@ -1,0 +1,110 @@
+"""Rewrites roundabout wordings into the plain command: "the cup goes in the bin" is "put the cup in the bin".
+
+Every rule keeps the words for the things and places; none adds a thing that was not said.
+"""
+
+from __future__ import annotations
+
+import re
+
+from agent.language import lexicon
+from agent.language.clauses import find_verb, strip_opener, trim
+from agent.language.read_reference import is_reference, read_reference
+
+_NP = r"(?:the|that|this|these|those|my|your|our|both|all|every|each|everything|it|they)\b[^,.;]*?"
+_LIQUID = r"(?:hot |cold |some )?(?:water|coffee|tea|juice|wine|milk|liquid|beer|soup|stuff|something)"
+_DIRECTION = (
+    r"(?:beside|behind|next to|in front of|under|underneath|above|on top of|between|in between|near|left of|to the left of|"
+    r"to the right of|alongside|adjacent to|by the)"
+)
+
+_RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
+    (re.compile(pattern), becomes)
+    for pattern, becomes in (
+        # numbered steps
+        (r"^(?:step )?(?:1|one|1st) [.,;] (?=.* (?:step )?(?:2|two|2nd) [.,;] )", ""),
+        (r"(?:^| )(?:[.,;] )?step (?:\d|one|two|three|four|five)(?: [.,;])? ", " . "),
+        (r" (?:[.,;] )?[2-9] [.,;] (?=[a-z])", " . "),
+        (r"(?<![\d.]) n (?=[a-z])", " and "),
+        # what is in a thing
+        (rf" (?:that is |which is |that are )?(?:full of|filled with|containing|that contains|that has) {_LIQUID}(?: in it| inside)?(?= |$)", " filled"),
+        (rf" with {_LIQUID} (?:in it|inside)(?= |$)", " filled"),
+        (r" (?:with nothing (?:in it|inside)|without anything (?:in it|inside)|that has nothing in it|that is empty|which is empty)(?= |$)", " empty"),
+        (r" (?:that is|which is) (?:full|filled)(?= |$)", " filled"),
+        # where a thing stands
+        (rf"(?<!the )\b(?:right|just|directly|immediately|exactly|straight|precisely) (?={_DIRECTION}\b)", ""),
+        (r"\b(?:the )?(?:furthest|farthest|most) (?:to (?:the |your |my )?|on the )?(left|right)\b", r"\1most"),
+        (r"\bon the (?:very|far|extreme|outer) (left|right)\b(?! of)", r"on the \1"),
+        (r"\bin the middle of (?=(?:the|a) (?:[a-z]+ ){1,3}and (?:the|a) )", "between "),
+        (r"\b(?:on|to) the (left|right) hand side\b", r"on the \1 side"),
+        (r"\bto (?:my|your) (left|right)\b", r"to the \1"),
+        (r"\bon (?:my|your) (left|right)\b", r"on the \1"),
+        (r"\bthe (left|right) hand (?!side|and|with)(?=[a-z])", r"the \1 "),
+        (r"\bnext door to\b", "next to"),
+        (r"^(?:(?:would |do )?you )?mind (?=[a-z]+ing\b)", ""),
+        # clearing
+        (r"^(?:i (?:want|need|would like)|make|get|leave|have)(?: to see)? (?:the|this|my) (?:table|desk|workspace)(?: to be)? (?:completely |totally |all )?"
+         r"(?:empty|clear|cleared|clean|tidy|free)\b", "clear the table"),
+        (r"\b(?:all|everything|anything)(?: that| which| of what| of that)? (?:is|lies|stands|you (?:can )?see|there is)(?: lying| standing| left)?(?: on (?:the|this|my) (?:table|desk)| there| here)?(?= |$)",
+         "everything"),
+        (r"\bthe (?:whole )?lot\b(?! of)", "everything"), (r"\b(?:whole|entire) table\b", "table"),
+        (r"\beach and every\b", "every"), (r"\bevery single\b", "every"), (r"\bevery last\b", "every"), (r"\ball (?:of )?the rest\b", "the rest"),
+        (r"\b(?:the )?(?:remaining|other) (?:things|objects|items|stuff|ones)\b", "the rest"),
+        (r"\bthe remainder\b|\bwhat(?:ever)? (?:is left|remains)\b|\b(?:all )?the others\b|\beverything that is left\b", "the rest"),
+        # where things belong
+        (rf"^(?P<thing>{_NP}) (?:all |both )?(?:goes|go|belongs?|should (?:go|be|stand|land|end up)|must (?:go|be put)|has to go|have to go|needs? to (?:go|be)|ought to go|"
+         r"is supposed to (?:go|be)|can go|may go|is to go|shall go|wants to go)(?: straight| all| both)?(?: put| placed| moved| thrown)? "
+         r"(?=(?:in|into|to|on|onto|next|beside|behind|left|right|between|under|inside|at|over|away)\b)", r"put \g<thing> "),
+        (rf"^i (?:want|need|would like|would love|would prefer|prefer|wish)(?: to (?:have|see))? (?P<thing>{_NP}) (?:put |placed |moved |to be |to go |thrown |standing )?"
+         r"(?P<where>(?:in(?:to)? the (?:bin|trash|rubbish|garbage)|on the (?:left|right)|next to|beside|behind|in front of|to the (?:left|right)|on top of|in(?:to)? the (?:bowl|box|cup|mug|middle|centre|center|back|front))\b.*)$",
+         r"put \g<thing> \g<where>"),
+        (r"^what i (?:want|need|would like)(?: you to (?:get|fetch|give me|hand me))?(?: now)? is (?=the|a|an|my|that)", "give me "),
+        (r"^(?:the|your|my) (?:next |first )?(?:job|task|mission|goal|order|assignment)(?: now| today)?(?: is)?(?: to)?(?: [.,;])? ", ""),
+        (r"^(?:do )?(?:something|anything) with (?=the|that|this|my)", ""),
+        (r"^(?:deal with|handle|take care of|see to|work on|work with|play with|do) (?=(?:the|that|this|my) )", ""),
+        (r"\b(?:toss|throw|chuck|slide|send|shoot|slip|roll|lend|show me and give) me (?=the|a|an|that|this|my|some|it|one)", "give me "),
+        (r"\btowards? (?:me|us)\b|\b(?:a bit |a little )?(?:closer|nearer) to (?:me|us)$", "to the front"),
+        (r"\b(?:towards?|closer to|nearer to) (?:you|yourself|the robot)$", "to the back"),
+        (r"\bfor (?:a|one) (?:second|moment|minute|while|bit|sec)\b", ""),
+        (r"\b(?:at most|exactly|only|just|precisely|no more than) (?=(?:one|two|three|four|five|six|both|[2-9]) )", ""),
+    )
+)  # fmt: skip
+_STATED = re.compile(
+    r"^(?:(?:there is|there are|i (?:can )?see|see|(?:do |can )?you see|look at|look ,? ?(?:there is|at)?|have a look at|i am done with|i have finished with|i am finished with|"
+    r"i (?:do not|no longer) (?:need|want|like|use)|i (?:like|love|hate|want|need|prefer)|you know|remember|about|as for|regarding|concerning|now|so) )?"
+    r"(?P<thing>(?:the|a|an|that|this|my|these|those) [^,.;]+?)"
+    r"(?: (?:is|are|looks?|seems?|has|was|got|does not|do not|should not|can not)\b(?! (?:in|on|behind|next|near|under|left|right|between|to)\b)[^,.;]*| any ?more| any longer| over there| there| here)*"
+    r" (?:[,.;]|[,.;]? (?:so|and)) (?:(?:and|so|then|please|just|now|could you|can you|would you|you can|you should|you may) )*(?P<rest>[a-z].*)$"
+)
+"""Something said of a thing, and then what to do with it."""
+_ITS = re.compile(r"\b(?:it|that|them|this|that one|this one|those|these)\b(?! (?:is|are|way|time|handle|rim)\b)")
+
+
+def rephrased(line: str) -> str:
+    """The instruction in plainer words.
+
+    Args:
+        line: cleaned and mended tokens joined by spaces.
+    """
+    for pattern, becomes in _RULES:
+        line = pattern.sub(becomes, line)
+    return " ".join(trim(_named(" ".join(line.split())).split()))
+
+
+def _named(line: str) -> str:
+    """For "the apple is rotten, bin it": "bin the apple"."""
+    found = _STATED.match(line)
+    if found is None or find_verb(strip_opener(line.split())) is not None:
+        return line
+    thing, rest = found["thing"].split(), found["rest"]
+    reading = read_reference(thing)
+    if reading.unknown or reading.contradiction or not is_reference(reading) or not reading.found.get("known", True):
+        return line
+    if not (reading.found.get("categories") or reading.found.get("noun") in lexicon.GENERIC):
+        return line
+    verb = find_verb(strip_opener(rest.split()))
+    pronoun = _ITS.search(rest)
+    if verb is None or pronoun is None:
+        return line
+    named = " ".join(["the" if thing[0] in ("a", "an") else thing[0], *thing[1:]])
+    return f"{rest[: pronoun.start()]}{named}{rest[pronoun.end() :]}"
