@@ -113,7 +113,7 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
     return BenchPlan(
         settings=Settings(
             seed=DEFAULT_SEED if options.seed is None else options.seed, brain=options.brain, base_url=options.base_url,
-            perception=options.perception, evaluator=options.evaluator,
+            perception=options.perception, evaluator=options.evaluator, record_brain=options.record_brain,
         ),
         tasks=tasks_of(request.suite, None if request.tasks is None else _names(request.tasks, "--tasks")),
         configurations=names_of(_names(request.configurations or "full", "--configs")),

@@ -30,6 +30,8 @@ class Settings(Noun):
     perception: PerceptionName = "rgbd"
     brain: str = "rules"
     base_url: str | None = None
+    record_brain: str | None = None
+    """File that keeps a language model's replies, so that all configurations see the same ones (ledger G45)."""
 
 
 class BenchPlan(Noun):

@@ -85,6 +85,7 @@ class _Shared:
         agent = build_agent(
             scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
             evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
+            record_brain=settings.record_brain,
             opened=world, perceiver=self._perceiver(perception), store=_store(),
         )  # fmt: skip
         context = agent.context

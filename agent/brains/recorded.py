@@ -7,6 +7,7 @@ run with a paid model can be repeated for nothing. A file has one JSON object a 
 from __future__ import annotations
 
 import json
+import os
 import threading
 from pathlib import Path
 from typing import Any
@@ -35,7 +36,10 @@ class RecordingChat:
         if not file.exists():
             try:
                 file.parent.mkdir(parents=True, exist_ok=True)
-                file.write_text(_line({"format": FORMAT, "model": model, "sees": sees}), encoding="utf-8")
+                with file.open("x", encoding="utf-8") as stream:
+                    stream.write(_line({"format": FORMAT, "model": model, "sees": sees}))
+            except FileExistsError:  # another process was faster with the very same line
+                pass
             except OSError as error:
                 raise BadInputError(f"cannot write {file}: {error.strerror}", where="--record-brain") from error
 
@@ -79,8 +83,12 @@ class RecordingChat:
         }
         with self._lock:
             self._known[key] = row
-            with self._file.open("a", encoding="utf-8") as stream:
-                stream.write(_line(row))
+            # One write at the end of the file: several processes of a benchmark may keep their exchanges in it.
+            handle = os.open(self._file, os.O_WRONLY | os.O_APPEND)
+            try:
+                os.write(handle, _line(row).encode())
+            finally:
+                os.close(handle)
 
 
 class ReplayChat:
@@ -143,7 +151,7 @@ def read_record(file: Path) -> tuple[str, bool, dict[str, dict[str, Any]]]:
     head = rows[0] if rows and isinstance(rows[0], dict) else {}
     if head.get("format") != FORMAT:
         raise BadInputError(f"{file} is no record of a brain (made by --record-brain)", where="brain")
-    return str(head["model"]), bool(head["sees"]), {row["key"]: row for row in rows[1:]}
+    return str(head["model"]), bool(head["sees"]), {row["key"]: row for row in rows if "key" in row}
 
 
 def _reply(row: dict[str, Any]) -> Reply:
