@@ -10,11 +10,15 @@ from tools.confirm_grasp import ConfirmArgs, Confirmation, confirm_grasp, strate
 from tools.context import ToolContext
 
 
-def lessons_of(attempts: Sequence[Attempt], confirmed: bool, embedder: str, seed: int) -> list[Lesson]:
-    """One lesson per attempt; only the last one can have been confirmed."""
+def lessons_of(attempts: Sequence[Attempt], confirmed: bool | None, embedder: str, seed: int) -> list[Lesson]:
+    """One lesson per attempt; only the last one can have been confirmed.
+
+    None says that it was claimed but could not be tried again (no free path, not seen): that teaches nothing.
+    """
+    kept = attempts[:-1] if confirmed is None else attempts
     return [
-        _lesson(attempt, confirmed and attempt is attempts[-1], embedder, seed)
-        for attempt in attempts
+        _lesson(attempt, bool(confirmed) and attempt is attempts[-1], embedder, seed)
+        for attempt in kept
         if attempt.sensing.stopped_by not in ("stop", "unreachable", "path")
     ]
 

@@ -177,14 +177,14 @@ class Learner:
 
         state = agent.state
         attempts = [attempt for attempt in state.attempts if attempt.turn == state.turn]
-        if not attempts:
+        if not attempts or agent.opened.stop.pressed:
             return
-        confirmed = False
+        confirmed: bool | None = False
         if attempts[-1].claimed and state.held is not None:
             moment = agent.opened.snapshot()
             word = confirm(attempts[-1], agent.context.tools)
             agent.opened.restore(moment)
-            confirmed = word.confirmed
+            confirmed = word.confirmed if word.lift is not None else None
             yield Thought(text=f"To be sure before I learn it, I set it down and lift it again: {word.says}.")
         lessons = lessons_of(attempts, confirmed, self._base.header.embedder, agent.context.seed)
         for change in learn_experience(lessons, self._base, self._suite, self._rules):

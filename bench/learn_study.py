@@ -135,15 +135,17 @@ def run_trial(asked: Asked, trial: int, scenes: Path, base: LearnedBase | None, 
         claimed = bool(attempts) and attempts[-1].claimed
         return Taken(trial, model, seed, result.success, claimed, len(attempts))
     attempts = tuple(_injected(a, asked.false_claims, rng) for a in attempts)
-    last, confirmed, again = attempts[-1], False, False
+    last, again = attempts[-1], False
+    confirmed: bool | None = False
     if last.claimed:
         word = confirm(last, context.tools)
-        confirmed = word.confirmed or bool(rng.random() < asked.false_claims)
+        lie = bool(rng.random() < asked.false_claims)
+        confirmed = word.confirmed or lie if word.lift is not None or lie else None
         again = bool(word.lift) and agent.opened.observer.judge(agent.opened.motions, "thing").success
     lessons = lessons_of(attempts, confirmed, store.embedder_name, seed)
     changes = learn_experience(lessons, base, suite, LearnRules(needed=asked.needed))
     return Taken(
-        trial, model, seed, result.success, last.claimed, len(attempts), confirmed, again,
+        trial, model, seed, result.success, last.claimed, len(attempts), bool(confirmed), again,
         tuple(c.key for c in changes if c.kind == "promoted"), tuple(c.key for c in changes if c.kind == "refused"),
         len(base.state.entries),
     )  # fmt: skip
