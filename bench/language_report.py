@@ -54,10 +54,10 @@ def measure_commands(corpus: Path) -> tuple[Count, Count]:
     """Commands understood exactly: (tuning half, reported half)."""
     halves = [Count(), Count()]
     brain = RulesBrain()
-    for said, expected in _rows(corpus):
-        got = _normal(noted(brain.understand(Situation(instruction=said))))
+    for said, expected in rows(corpus):
+        got = normal(noted(brain.understand(Situation(instruction=said))))
         half = hashlib.sha256(said.encode()).digest()[0] % 2
-        halves[half] = halves[half].plus(got == _normal(expected), f"{said!r}: {expected!r}, got {got!r}")
+        halves[half] = halves[half].plus(got == normal(expected), f"{said!r}: {expected!r}, got {got!r}")
     return halves[0], halves[1]
 
 
@@ -65,7 +65,7 @@ def measure_references(corpus: Path) -> tuple[Count, Count, Count]:
     """References on given tables: (ambiguous ones asked back, single ones found, absent ones said)."""
     counts = [Count(), Count(), Count()]
     brain = RulesBrain()
-    for left, expected in _rows(corpus):
+    for left, expected in rows(corpus):
         table, said = (part.strip() for part in left.split("|"))
         objects = tuple(_thing(i, text.split()) for i, text in enumerate(table.split(";")))
         scope = Scope(percept=Percept(look=0, perception="rgbd", objects=objects))
@@ -77,14 +77,16 @@ def measure_references(corpus: Path) -> tuple[Count, Count, Count]:
     return counts[0], counts[1], counts[2]
 
 
-def _rows(corpus: Path) -> Iterator[tuple[str, str]]:
+def rows(corpus: Path) -> Iterator[tuple[str, str]]:
+    """The commands of a corpus with what each means."""
     for line in corpus.read_text(encoding="utf-8").splitlines():
         if line and line[0] != "#":
             said, expected = line.rsplit(" => ", 1)
             yield said, expected
 
 
-def _normal(text: str) -> str:
+def normal(text: str) -> str:
+    """A meaning without the differences that are none."""
     return INTO_THE_BIN.sub(r"clear \1", GENERIC.sub("thing", text))
 
 

@@ -108,6 +108,8 @@ def strip_opener(tokens: list[str]) -> list[str]:
             parts = opener.split()
             if tokens[: len(parts)] == parts and len(tokens) > len(parts):
                 tokens, changed = trim(tokens[len(parts) :]), True
+                if parts[-1] == "you" and tokens:  # "i would be grateful if you picked up the mug"
+                    tokens = [PAST.get(tokens[0], tokens[0]), *tokens[1:]]
     return tokens
 
 
@@ -164,6 +166,25 @@ def _reorder_after(tokens: list[str]) -> list[str]:
         done = _action(first)
         first = done if done is not None else [t for t in first if t not in _DOERS]
         return [*second, "then", *first] if tokens[0] == "before" else [*first, "then", *second]
+    if tokens and tokens[0] in ("after", "before", "once", "when"):  # no comma: the second verb begins what comes then
+        for cut in range(4, len(tokens) - 1):
+            if find_verb(tokens[cut:]) and tokens[cut - 1] not in (
+                "the",
+                "a",
+                "an",
+                "to",
+                "my",
+                "and",
+                "in",
+                "into",
+                "on",
+                "of",
+            ):
+                done = _action(tokens[1:cut])
+                if done is None or len(done) < 3:
+                    break
+                later = tokens[cut:]
+                return [*later, "then", *done] if tokens[0] == "before" else [*done, "then", *later]
     for cut, token in enumerate(tokens):  # "take the bowl after putting the block in the bin"
         if not cut or token not in TEMPORAL or tokens[cut - 1] in (",", "and", "then", "the"):
             continue

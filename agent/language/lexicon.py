@@ -73,7 +73,7 @@ GENERIC = ("thing", "object", "item", "one", "stuff", "something", "anything", "
 
 UNSEEN_NOUNS = (
     "teapot", "kettle", "plate", "fork", "knife", "spoon", "book", "laptop", "keyboard", "mouse", "can", "jar", "thermos",
-    "hammer", "wrench", "scissors", "brush", "remote", "lamp", "candle", "egg", "orange", "lemon", "pear", "shoe", "hat",
+    "hammer", "wrench", "scissors", "brush", "remote", "remote control", "lamp", "candle", "egg", "orange", "lemon", "pear", "shoe", "hat",
     "car", "dog", "cat", "elephant", "unicorn", "dragon", "person", "watch", "wallet", "coin", "pan", "pot", "towel",
     "bag", "plant", "flower", "bulb", "sponge", "notebook", "charger", "cable", "camera", "clock", "comb", "doll",
     "guitar", "pillow", "ruler", "stapler", "tape", "toothbrush", "umbrella", "pizza", "cake", "sandwich", "cookie",

@@ -37,7 +37,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"(?:which|what) (?:commands|instructions|sentences|words) (?:do you (?:know|understand|have)|can i (?:use|say|give)|are there)",
         r"(?:please )?(?:can|could|would|will) you (?:please )?help(?: me)?(?: out| please)?", r"(?:i|we) (?:need|want|could use|require) (?:some |your |a bit of |any )?help", r"help me out",
         r"(?:give|show|tell) me (?:some |an? |the |your |all |a few )*(?:help|examples?|commands?|instructions|options|possibilities|manual|list of (?:the )?(?:commands|options))(?: please)?",
-        r"what (?:should|may|must|could|shall|might) i (?:say|ask|type|tell you|do)(?: here| now| to you)?", r"what (?:else )?(?:can|could|do) you (?:do|understand|know how to do|help (?:me )?with|offer)(?: for me| here)?",
+        r"what (?:am i|are we) (?:allowed|able) to (?:say|ask|do)(?: here| now)?", r"what (?:should|may|must|could|shall|might) i (?:say|ask|type|tell you|do)(?: here| now| to you)?", r"what (?:else )?(?:can|could|do) you (?:do|understand|know how to do|help (?:me )?with|offer)(?: for me| here)?",
         r"what (?:do you|can you) (?:understand|know)(?: how to do)?", r"how do i (?:start|begin|do this|work with you|give (?:you )?(?:a )?commands?)", r"how do you work",
         r"what (?:things|tasks|jobs|actions) (?:can|do) you (?:do|perform|know|understand|handle)", r"i (?:am lost|do not know what to (?:say|do))", r"what is this", r"what are my options",
         r"who are you", r"what are you", r"(?:tell me )?(?:about|introduce) yourself", r"what kind of robot are you", r"instructions", r"usage", r"manual", r"what do you understand",
@@ -63,7 +63,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"what happened(?: there| just now)?", r"how did (?:it|that|you) fail", r"explain (?:the|that|this|your) failure",
         r"why (?:is|was) (?:it|that) (?:a failure|not successful|unsuccessful|not working)", r"what failed",
         r"(?:what is|what was|what were|tell me|explain|give me|do you know|what)(?: (?:me|to me))? (?:the |was the |caused the )?(?:cause|reason|reasons|root cause|explanation)s? (?:of|for|behind|why) (?:the |that |this |your |it |you )?(?:last |latest )?(?:failure|failing|failed|drop|dropping|slip|mistake|accident|problem|error|did not).*",
-        r"what (?:caused|made|led to) (?:it|that|the .*?|you|this)(?: to)? (?:fail|slip|drop|fall|break|failure|miss|slipping|drop it|lose it|let go)\b.*", r"how come (?:it|that|you|the .*?) (?:failed|dropped|slipped|fell|missed|broke|did not|could not|lost|let go|were not)\b.*",
+        r"(?:so )?why (?:is|are) (?:it|the .*?|my .*?|they) (?:now |still |suddenly )?(?:(?:lying )?on (?:the|its) (?:floor|ground|side)|lying|down|gone|broken|in pieces|not .*|still .*)", r"what (?:caused|made|led to) (?:it|that|the .*?|you|this)(?: to)? (?:fail|slip|drop|fall|break|failure|miss|slipping|drop it|lose it|let go)\b.*", r"how come (?:it|that|you|the .*?) (?:failed|dropped|slipped|fell|missed|broke|did not|could not|lost|let go|were not)\b.*",
         r"what (?:has )?(?:happened|went wrong|has gone wrong|did you do wrong|did not work)(?: (?:there|here|just now|to|with|when|during|now)\b.*)?", r"what was (?:it|that) that (?:went wrong|failed)",
         r"(?:so )?why (?:is|was|has|did|does|do|are|were|have|would|could) .*\b(?:fail|failed|failing|slip|slipped|drop|dropped|fall|fell|fallen|break|broke|broken|not|unsuccessful|lose|lost|miss|missed|stop|stopped|give up|gave up|given up|stuck|wrong|crash|crashed|topple|toppled|let go)\b.*",
         r"(?:please |can you |could you )*(?:explain|tell me|describe)(?: to me)? (?:why (?:it|that|this|you|the .*?) (?:failed|dropped|slipped|fell|broke|missed|did not|could not)|what (?:went wrong|happened|failed|the problem (?:is|was))|how (?:it|that|you) failed)\b.*",
@@ -105,7 +105,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"(?: of)?(?: the| your)? ?(?:scene|table|objects?|things|items|everything|surroundings|workspace|you see|is there|"
         r"is on the table|there is|view)?(?: you (?:can )?see)?(?: on the table| you see| there| here| that you see)?",
         r"(?:which|what) (?:objects|things|items)(?: (?:are|do you see|can you see|is|lie|stand|have you).*)?",
-        r"tell me what (?:you (?:can )?see|is (?:there|on the table))(?: on the table)?", r"what have you (?:got|found|seen)",
+        r"(?:tell|show) me (?:what is|what all is|what is all)", r"tell me what (?:you (?:can )?see|is (?:there|on the table))(?: on the table)?", r"what have you (?:got|found|seen)",
         r"is (?:there )?(?:anything|something)(?: there| on the table)?", r"show me what you (?:can )?see",
         r"(?:please |can you |could you |would you )*(?:tell me|describe|list|show me|name|give me|report|say)(?: me| to me)?(?: (?:about|of|a|an|the|short|quick|brief|full|complete|all|list|overview|description|summary|inventory|report|picture|what|everything|things|objects|items|each|every|object|thing|item|that|which|whatever))* (?:overview|description|summary|inventory|report|(?:you|i|we) (?:can |could )?(?:see|have|recogni[sz]e|detect|perceive|notice)|is there|there is|is (?:lying |standing )?on (?:the|your|this) (?:table|desk)|(?:on|of) (?:the|your|this) (?:table|desk|scene|workspace))"
         r"(?: (?:of|on|about) (?:the|your|this) (?:table|desk|scene|workspace|objects|things))?(?: right now| now| there| here| please| at the moment)*",

@@ -119,6 +119,8 @@ def _is_head_noun(tokens: list[str], i: int) -> bool:
     """Whether the word at `i` is the last of its phrase, so that "the glass" and "the orange" are nouns."""
     if tokens[i] not in ("glass", "orange", "china", "tool"):
         return False
+    if "made" in tokens[:i]:
+        return False
     rest = [t for t in tokens[i + 1 :] if t not in (*ARTICLES, *CLAUSE_WORDS, ",")]
     if not rest:
         return True

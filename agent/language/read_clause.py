@@ -122,9 +122,13 @@ def _sort(rest: list[str]) -> list[Goal] | AskBack | str:
     if spared:
         what = [*(what or ["everything"]), *spared[0].split()]
     what = [
-        t for t in what if t not in ("out", "up", "them", "it", "from", "left", "to", "right", "in", "a", "row", "line")
+        t
+        for t in what
+        if t not in ("out", "up", "them", "it", "from", "left", "to", "right", "in", "a", "row", "line", *TABLE)
     ]
     reading = read_reference(what or ["everything"])
+    if not is_reference(reading) and not reading.unknown:
+        reading = read_reference(["everything"])
     if reading.unknown or reading.contradiction:
         return CANNOT_READ
     reference = Reference(**{**reading.found, "plural": True})
@@ -250,6 +254,8 @@ def _each(tokens: list[str], kind: str, placement: Placement | None, *, strict: 
 
 def _apposed(parts: list[list[str]]) -> list[list[str]]:
     """Takes "the cup, the full one" as one thing: the second part only says which."""
+    if len(parts) == 2 and parts[1][0] == "any" and parts[1][-1:] == parts[0][-1:]:
+        return parts[1:]  # "a cup, any cup"
     if len(parts) != 2 or "one" not in parts[1] or parts[1][0] not in ("the", "that"):
         return parts
     first = read_reference(parts[0]).found

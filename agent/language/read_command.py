@@ -10,9 +10,10 @@ from __future__ import annotations
 import re
 
 from agent.goal import Goal, Reference, Understanding
-from agent.language import courtesies, lexicon
+from agent.language import courtesies
 from agent.language.asides import untouchable, without_asides
 from agent.language.clauses import GERUNDS, NOT_DO, find_verb, split_clauses, strip_opener, trim
+from agent.language.fit_goals import fitted
 from agent.language.read_clause import CANNOT_READ, AskBack, read_clause, read_measure
 from agent.language.read_place import read_place
 from agent.language.read_question import read_question
@@ -23,10 +24,15 @@ from agent.language.stop import says_stop
 from agent.language.words import words
 
 OR = re.compile(r"\bor\b")
+VAGUE = re.compile(
+    r"\b(?:half|most|many|some|several|a few|few|part|a part|a couple|a third|a quarter|a lot|lots|a bunch) of (?:the|my|these|those|them|all)\b|"
+    r"\b(?:half|several|a few|some|a couple|many|most|a bunch of|a lot of|lots of) (?:the )?(?:[a-z]+ )?(?:cups|mugs|bottles|blocks|cubes|boxes|apples|bananas|glasses|vases|bowls|"
+    r"pens|keys|phones|balls|things|objects|items|toys|tools|fruits|ones)\b"
+)
+"""A number of things that is not said: more than was meant might be moved."""
 NO_OP = re.compile(
     r"^(?:go|come|drive|move|return)(?: back)?(?: to)?(?: (?:home|your (?:home|start) ?(?:position|pose)?|back|rest))+$"
 )
-THEM = ("them", "these", "those", "them all", "all of them")
 CORRECTED = re.compile(
     r"(?:the|a|an) [a-z ]+? ,? ?(?:no|sorry|i mean|rather|actually|wait|oops)(?: ,)?(?: i mean)?(?: ,)? (?=(?:the|a|an) )"
 )
@@ -61,6 +67,8 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         return Understanding(refusal=refusal)
     if OR.search(line) and (find_verb(strip_opener(tokens)) is not None or _alternatives(tokens)):
         return Understanding(question=f"One thing or the other: {line}? Please tell me which.")
+    if VAGUE.search(line):
+        return Understanding(question="How many of them, and which? Please tell me a number, or name them.")
     if untouchable(line):
         return Understanding(refusal="That contradicts itself: I cannot take a thing without touching it.")
     if pending is not None:
@@ -145,7 +153,7 @@ def _commands(tokens: list[str]) -> Understanding:
         goals += [goal.model_copy(update={"parent": 0}) for goal in got] if before and goals else got
     if len(clauses) > 1:  # "first the cup, then the apple": an order of things says that they are to be taken
         goals = [g if g.moves or g.query else g.model_copy(update={"kind": "pick"}) for g in goals]
-    return _fit(goals, forbidden)
+    return fitted(goals, forbidden)
 
 
 def _stays(tokens: list[str]) -> list[str]:
@@ -163,117 +171,3 @@ def _forbidden(found: re.Match[str]) -> list[Reference]:
     )
     reading = read_reference(things)
     return [Reference(**reading.found)] if is_reference(reading) and not reading.contradiction else []
-
-
-def _fit(goals: list[Goal], forbidden: list[Reference]) -> Understanding:
-    """Checks that the clauses agree with each other."""
-    if not goals:
-        if forbidden:
-            return Understanding(refusal=f"All right: I leave {_the(forbidden[0])} alone. There is nothing else to do.")
-        return Understanding(refusal=CANNOT_READ)
-    for goal in goals:
-        if goal.placement is not None and _onto_itself(goal.reference, goal.placement.reference):
-            return Understanding(refusal="That contradicts itself: a thing cannot be put beside, on or in itself.")
-        for taboo in forbidden:
-            if goal.moves and goal.reference is not None and _same(goal.reference, taboo):
-                return Understanding(
-                    refusal=f"That contradicts itself: I am to handle {_the(taboo)} and not to. Nothing was moved."
-                )
-    goals = _bound(_without_repeats(_resting(goals, forbidden)))
-    spared = tuple(forbidden)
-    if spared:
-        goals = [_sparing(goal, spared) if goal.kind in ("clear", "sort") else goal for goal in goals]
-    return Understanding(goals=tuple(goals))
-
-
-def _resting(goals: list[Goal], forbidden: list[Reference]) -> list[Goal]:
-    """In "put the cup on the left and clear the rest" the rest is everything but the cup."""
-    said: list[Reference] = []
-    resting: list[Goal] = []
-    for goal in goals:
-        reference = goal.reference
-        rest = (
-            reference is not None
-            and reference.other
-            and reference.plural
-            and reference.noun in (None, *lexicon.GENERIC)
-        )
-        if reference is not None and rest:
-            named = () if goal.kind in ("clear", "sort") else tuple(forbidden)  # those are spared in any case
-            spared = (*reference.excluding, *named, *(r for r in said if r not in forbidden))
-            update = {"noun": "everything", "other": not (spared or forbidden), "excluding": spared}
-            goal = goal.model_copy(update={"reference": reference.model_copy(update=update)})
-        elif reference is not None and not reference.pronoun:
-            said.append(reference)
-        resting.append(goal)
-    return resting
-
-
-def _onto_itself(thing: Reference | None, other: Reference | None) -> bool:
-    """Whether the destination is the very thing that is to be moved ("put the cup in the cup")."""
-    if thing is None or other is None or other.other or other.anyone or thing.anyone or thing.plural:
-        return False
-    return (other.words == "itself") or (not thing.pronoun and not other.pronoun and _same(thing, other))
-
-
-def _without_repeats(goals: list[Goal]) -> list[Goal]:
-    """Drops "... and lift it" after "grip the cup", and a second clearing of the table."""
-    kept: list[Goal] = []
-    for goal in goals:
-        reference = goal.reference
-        if reference is not None and reference.words in THEM and goal.kind == "place" and kept:
-            kept = [
-                g.model_copy(update={"kind": "place", "placement": goal.placement})
-                if g.kind == "pick" and g.placement is None
-                else g
-                for g in kept
-            ]
-            continue
-        again = bool(kept) and reference is not None and reference.pronoun and kept[-1].moves
-        if again and goal.kind == "pick" and goal.placement is None and kept[-1].kind == "pick":
-            continue
-        if kept and kept[-1].kind == "clear" and (goal.kind == "clear" or (again and goal.kind == "place")):
-            continue
-        kept.append(goal)
-    return kept
-
-
-def _bound(goals: list[Goal]) -> list[Goal]:
-    """In "take the bowl, but first remove what is on it" the pronoun means the bowl."""
-    bound: list[Goal] = []
-    for index, goal in enumerate(goals):
-        reference = goal.reference
-        others = [
-            g.reference for i, g in enumerate(goals) if i != index and g.reference is not None and g.reference.noun
-        ]
-        relation = reference.relation if reference is not None else None
-        if reference is not None and relation is not None and others and any(o.pronoun for o in relation.others):
-            named = tuple(others[0] if o.pronoun else o for o in relation.others)
-            relation = relation.model_copy(update={"others": named})
-            goal = goal.model_copy(update={"reference": reference.model_copy(update={"relation": relation})})
-        bound.append(goal)
-    return bound
-
-
-def _sparing(goal: Goal, spared: tuple[Reference, ...]) -> Goal:
-    reference = goal.reference or Reference(words="everything", noun="everything", plural=True)
-    return goal.model_copy(
-        update={"reference": reference.model_copy(update={"excluding": (*reference.excluding, *spared)})}
-    )
-
-
-def _the(reference: Reference) -> str:
-    text = "it" if reference.pronoun else reference.words or reference.noun or "it"
-    return (
-        text
-        if text.split()[0] in ("the", "it", "that", "this", "my", "your", "all", "any", "a", "an")
-        else f"the {text}"
-    )
-
-
-def _same(one: Reference, other: Reference) -> bool:
-    """Whether two references speak of the same thing for all that was said."""
-    if one.pronoun or other.pronoun:
-        return other.pronoun
-    plain = (one.noun, one.colour, one.material, one.side, one.ordinal, one.extreme, one.relation)
-    return plain == (other.noun, other.colour, other.material, other.side, other.ordinal, other.extreme, other.relation)

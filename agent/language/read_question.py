@@ -11,8 +11,8 @@ from agent.language.stop import says_stop
 from agent.language.words import words
 
 WHERE = re.compile(
-    r"^(?:(?:can|could|would|do|will) you (?:please )?)?(?:and |so |but |hey )*(?:tell me |show me |know |i wonder |any idea |do you know |i want to know |i need to know |find out )*(?:where(?: exactly| precisely| the hell| on earth| on the table| now)? (?:is|are|was|has|do you have|do you see|can i see|have you seen|did you (?:see|put|leave))|find|locate|"
-    r"do you (?:happen to )?see|can you see|do you have|do we have|is there|are there|can you (?:find|spot|locate|detect|recogni[sz]e)|(?:do you (?:happen to )?know|any idea|do you have any idea|i wonder|tell me|show me|find out) where|i (?:can not|could not) (?:find|see)|i (?:have )?lost|"
+    r"^(?:(?:can|could|would|do|will) you (?:please )?)?(?:and |so |but |hey )*(?:tell me |show me |know |i wonder |any idea |do you know |i want to know |i need to know |find out )*(?:where(?: exactly| precisely| the hell| on earth| on the table| now)? (?:is|are|was|has|did(?= (?:the|my|that|it|this|your|a)\b)|do you have|do you see|can i see|have you seen|did you (?:see|put|leave))|find|locate|"
+    r"(?:in|on|at) which (?:place|corner|spot|part|area|position|side|end)(?: of the table)? (?:is|are|do you see)|do you (?:happen to )?see|can you see|do you have|do we have|is there|are there|can you (?:find|spot|locate|detect|recogni[sz]e)|(?:do you (?:happen to )?know|any idea|do you have any idea|i wonder|tell me|show me|find out) where|i (?:can not|could not) (?:find|see)|i (?:have )?lost|"
     r"what is the (?:exact |current )?(?:position|location|place|whereabouts) of|on (?:which|what) side is|at (?:which|what) (?:place|position) is|where on the table is|where about is|where about are|have you (?:seen|got|found)|where can i find|point (?:at|to)|"
     r"show me|look for|search for|which (?:one )?is|what is the position of|what is the location of|spot)\s+(.+?)"
     r"(?: (?:now|right now|standing|located|lying|placed|at the moment|please|on the table|is|are|anywhere|somewhere|here|there|gone|be|exactly|got to|to be found|hiding|hidden|went|go|sitting|around))*$"
@@ -27,10 +27,10 @@ NEIGHBOURS = re.compile(r"^(?:what are |list |name |tell me )?(?:the )?(?:neighb
 PROPERTIES = re.compile(
     r"^(?:how (?:big|large|tall|wide|high|long|heavy|fragile|small|thick|light|full|delicate|breakable) (?:is|are)|"
     r"what (?:colou?r|size|shape|material|weight|kind|category|type) (?:is|are|has|of (?:object|thing) is)|"
-    r"what is the (?:colou?r|size|shape|material|weight|mass|height|width|fragility|state) of|what does|how much (?:does|do|is)|(?:can|could|would|do) you (?:please )?(?:tell me|know|describe|say) (?:what|how) [a-z]+ (?:is|are)|(?:tell|give) me (?:the|its) (?:colou?r|size|shape|material|weight|mass|height|width|fragility|state) of|what can you say about|give me (?:details|information|some details|some information|more information) (?:on|about|of)|"
+    r"what is the (?:colou?r|size|shape|material|weight|mass|height|width|fragility|state) of|what does|what (?:colou?r|size|shape|material|weight|height) do(?:es)?|how much (?:does|do|is)|(?:can|could|would|do) you (?:please )?(?:tell me|know|describe|say) (?:what|how) [a-z]+ (?:is|are)|(?:tell|give) me (?:the|its) (?:colou?r|size|shape|material|weight|mass|height|width|fragility|state) of|what can you say about|give me (?:details|information|some details|some information|more information) (?:on|about|of)|"
     r"(?:can|could|would) you (?:please )?(?:describe|tell me about|tell me more about)|tell me (?:something|more|everything|all) about|what else do you know about|which (?:colou?r|material|size|shape|kind|type) (?:is|has|does)|what sort of (?:thing|object) is|what kind of (?:thing|object) is|of what (?:material )?is|"
     r"is|are|describe|tell me about|what do you know about|what can you tell me about|what is|what are)\s+(?P<what>.+?)"
-    r"(?: (?:made (?:of|from|out of)|weigh|look like|like|fragile|heavy|light|big|small|empty|full|filled|breakable|red|blue|"
+    r"(?: (?:made (?:of|from|out of)|weigh|have|look like|like|fragile|heavy|light|big|small|empty|full|filled|breakable|red|blue|"
     r"green|yellow|white|black|tall|delicate|made|stacked|there|unknown))*$"
 )
 WHICH = re.compile(
@@ -54,6 +54,7 @@ UNDO = re.compile(
 FORCE = re.compile(r"(\d+(?:\.\d+)?)\s*(?:n\b|newtons?\b)")
 
 
+ASKS_OF = re.compile(r"\b(?:made|weigh|colou?r|look like|how|material|size|shape|kind)\b")
 _ABOUT: tuple[tuple[re.Pattern[str], Query], ...] = (
     (COUNT_UP, "count"), (NEAR, "near"), (NEIGHBOURS, "near"), (COUNT, "count"), (WHERE, "where"), (PROPERTIES, "properties"),
 )  # fmt: skip
@@ -68,6 +69,10 @@ def read_question(text: str) -> Goal | str | None:
     """
     if says_stop(text):
         return Goal(kind="answer", query="stop")
+    found = NEAR.match(text)
+    goal = _about(found, "near") if found else None
+    if goal is not None:
+        return goal
     for pattern in PATTERNS:
         if pattern.regex.match(text):
             return _goal_of(pattern.query, text)
@@ -115,17 +120,27 @@ def _about(found: re.Match[str], query: Query) -> Goal | None:
     what = groups.get("what") or found[1]
     if what.startswith(("your ", "you ")):
         return None
+    how = groups.get("how")
+    if query == "near" and how == "between":
+        reading = read_reference(["thing", "between", *what.split()])
+        between = reading.found.get("relation")
+        return (
+            None
+            if between is None or reading.unknown
+            else Goal(
+                kind="look", query="near", reference=Reference(words=what, noun="thing", relation=between, plural=True)
+            )
+        )
     reading = read_reference(what.split())
     if reading.unknown or reading.contradiction or not is_reference(reading):
         return None
     reference = Reference(**reading.found)
-    how = groups.get("how")
     if query == "near" and how:
         side = read_reference(["thing", *how.split(), *what.split()]).found.get("relation")
         if isinstance(side, RelationTo):
             thing = Reference(words=what, noun="thing", relation=side, plural=True)
             return Goal(kind="look", query="near", reference=thing)
-    if query == "properties" and reference.extreme is not None:
+    if query == "properties" and reference.extreme is not None and not ASKS_OF.search(found[0]):
         return Goal(kind="look", query="where", reference=reference)  # "what is the heaviest thing?" asks which one
     if query == "near":
         thing = Reference(

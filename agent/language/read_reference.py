@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from agent.goal import Reference, RelationTo, RelationWord
 from agent.language import lexicon
 from agent.language.cut_phrase import ARTICLES, TABLE, split_exceptions, split_list, split_relation
@@ -26,6 +28,9 @@ PRONOUNS = (
     "those",
     "that one",
     "this one",
+)
+FAR_FROM = re.compile(
+    r" (?:(?:that|which) is |standing |the )?(?:far|farther|farthest|furthest|further|far away|most distant|not near|not next) (?:from|to) "
 )
 _ANY_ONE = ("one", "any", "either", "a", "whichever", "just", "single", "only", "1")
 _SINGLING = frozenset(
@@ -60,6 +65,7 @@ def read_reference(tokens: list[str]) -> Reading:
     """
     reading = Reading()
     tokens, excluded = split_exceptions(tokens)
+    tokens, far_from = _far_from(tokens)
     tokens, one_of = _partitive(tokens)
     head, relation, others = split_relation(tokens)
     _read_head(head, reading)
@@ -70,10 +76,27 @@ def read_reference(tokens: list[str]) -> Reading:
         _read_relation(relation, others, reading)
     if excluded:
         _read_exclusions(excluded, reading)
+    if far_from is not None:
+        near = Reference(
+            words="thing near", noun="thing", plural=True, relation=RelationTo(relation="near", others=(far_from,))
+        )
+        reading.found["excluding"] = (*reading.found.get("excluding", ()), near)
     reading.found["words"] = " ".join(tokens)
     if reading.any:
         reading.found["anyone"] = True
     return reading
+
+
+def _far_from(tokens: list[str]) -> tuple[list[str], Reference | None]:
+    """Takes "the cup far from the vase" as the cup that is not near the vase."""
+    line = " ".join(tokens)
+    found = FAR_FROM.search(line)
+    if found is None or found.start() == 0:
+        return tokens, None
+    inner = read_reference(line[found.end() :].split())
+    if inner.unknown or inner.contradiction or not is_reference(inner):
+        return tokens, None
+    return line[: found.start()].split(), Reference(**inner.found)
 
 
 def _partitive(tokens: list[str]) -> tuple[list[str], str]:

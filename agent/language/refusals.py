@@ -34,6 +34,9 @@ NOT_THINGS = re.compile(
 THROWN = re.compile(
     r"^(?:throw|toss|chuck|fling|hurl) (?:.+ )(?:at|out of the window|through|against|across|over|to (?!the (?:bin|trash|left|right|side|front|back|middle)|me|us))\b(?! the (?:bin|trash))"
 )
+BOTH_SIDES = re.compile(
+    r"\b(?:to|on|at) (?:the )?(left|right|front|back) (?:side )?and (?:also )?(?:(?:to|on|at) )?(?:the )?(?!\1)(?:left|right|front|back)(?: side)?(?: of\b|$)"
+)
 OFF_TABLE = re.compile(
     r"\b(?:on|onto|off|to|over|from) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa)\b"
 )
@@ -60,6 +63,8 @@ def refuse(line: str) -> str | None:
         )
     if NOT_THINGS.search(line):
         return "I can only move loose things that stand on the table."
+    if BOTH_SIDES.search(line):
+        return "That contradicts itself: a thing cannot be on both sides at once."
     if THROWN.match(line):
         return "I cannot throw things at or to something: I only let go of them in the bin."
     if OFF_TABLE.search(line):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 
 from agent.language import lexicon
-from agent.language.clauses import find_verb, strip_opener, trim
+from agent.language.clauses import VERBS, find_verb, strip_opener, trim
 from agent.language.read_reference import is_reference, read_reference
 
 _NP = r"(?:the|that|this|these|those|my|your|our|both|all|every|each|everything|it|they)\b[^,.;]*?"
@@ -17,6 +17,8 @@ _DIRECTION = (
     r"(?:beside|behind|next to|in front of|under|underneath|above|on top of|between|in between|near|left of|to the left of|"
     r"to the right of|alongside|adjacent to|by the)"
 )
+
+_VERB = "|".join(verb for verb, _ in VERBS)
 
 _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
     (re.compile(pattern), becomes)
@@ -42,6 +44,18 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"\bthe (left|right) hand (?!side|and|with)(?=[a-z])", r"the \1 "),
         (r"\bnext door to\b", "next to"),
         (r"^(?:(?:would |do )?you )?mind (?=[a-z]+ing\b)", ""),
+        (r"\bmade (?:out of|from|entirely of|of pure) ", "made of "),
+        (r" (?:[,.;] )?(?:and |then )?wait(?: (?:for [a-z]+|a (?:moment|second|minute|bit|while)|until [^,.;]+|(?:\d+|two|three|five|ten) seconds?))?(?= [,.;]| and | then )", ""),
+        # what is to stay
+        (r"(?:^|(?: [,.;])?(?: and| but| while)? )(?P<stays>(?:the|my|that) (?:[a-z]+ ){0,2}?[a-z]+) (?:stays?|remains?|(?:should|must|can|has to|is to|may|shall|needs to) (?:stay|remain)|"
+         r"(?:should|must|may|shall|is|can) not (?:to )?be (?:touched|moved|taken|cleared))(?: (?:put|there|here|where it is|where they are|on the (?:table|desk)|untouched|alone|in place|standing))*(?=$| [,.;]| and )",
+         r" . leave \g<stays> alone"),
+        (r"(?: [,.;])? without (?:touching|moving|taking|disturbing|including|removing|clearing|shifting) (?P<spared>(?:the|my|that|those) (?!thing\b|table\b|other)[a-z ]+?)(?=$| [,.;]| and then | then )",
+         r" . leave \g<spared> alone"),
+        (rf"^do not (?:{_VERB}) (?P<t>(?:the|that|my) [a-z ]+?)(?: away| out| up| down| in the bin| into the bin)? [,.;] (?:but |just |instead |rather |please )*(?P<v>give|hand|put|place|pass|bring|move|set)\b(?P<r>[a-z ]*?) (?:it|that)\b",
+         r"\g<v>\g<r> \g<t>"),
+        (rf"^do not (?P<v>(?:{_VERB}))(?: me)? (?:the|that|my|a) [a-z ]+? but (?:rather |instead |take )*(?P<t>(?:the|that|my|a) [a-z ]+)$", r"\g<v> \g<t>"),
+        (rf"^(?:instead of|rather than) [a-z ]+?(?: ,)? (?=(?:{_VERB}) (?:the|a|an|my|that)\b)", ""),
         # clearing
         (r"^(?:i (?:want|need|would like)|make|get|leave|have)(?: to see)? (?:the|this|my) (?:table|desk|workspace)(?: to be)? (?:completely |totally |all )?"
          r"(?:empty|clear|cleared|clean|tidy|free)\b", "clear the table"),

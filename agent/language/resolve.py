@@ -191,7 +191,9 @@ def _state(reference: Reference, found: list[PerceivedObject], scope: Scope) -> 
 def _excluding(reference: Reference, found: list[PerceivedObject], scope: Scope) -> list[PerceivedObject]:
     for refused in reference.excluding:
         pool = Scope(percept=scope.percept.model_copy(update={"objects": tuple(found)}), last=scope.last)
-        out = set(resolve(refused.model_copy(update={"plural": True}), pool).ids)
+        # What it stands near or on may be anything seen; a superlative is meant among those that fit.
+        seen = pool if refused.relation is None else scope
+        out = set(resolve(refused.model_copy(update={"plural": True}), seen).ids)
         found = [o for o in found if o.id not in out]
     return found
 

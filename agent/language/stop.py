@@ -6,7 +6,7 @@ import re
 
 from agent.language.clauses import find_verb
 
-STRONG = ("stop", "halt", "freeze", "abort", "cease", "whoa", "pause", "emergency")
+STRONG = ("stop", "halt", "freeze", "abort", "cease", "whoa", "pause", "emergency", "wait")
 """One of these makes a stop of words that say nothing else."""
 _ALONGSIDE = frozenset(
     "no nope not now please hey oh god you robot wait it that this there right here immediately at once instantly all everything "
@@ -17,7 +17,7 @@ _ALONGSIDE = frozenset(
     "activity and be very so really mean meant".split()
 )
 _PHRASES = re.compile(
-    r"^(?:(?:please|no|hey|robot|oh no|now|oh) )*(?:wait(?: a (?:moment|second|minute|sec|bit))?|cancel(?: that| it| this| everything| all| the (?:task|motion|order|command|action|job))?|"
+    r"^(?:(?:please|no|hey|robot|oh no|now|oh) )*(?:wait(?: for (?:me|us|it|a .*))?(?: a (?:moment|second|minute|sec|bit))?|cancel(?: that| it| this| everything| all| the (?:task|motion|order|command|action|job))?|"
     r"do not move(?: anything| a muscle| at all| an inch)?(?: now| any ?more)?|hold (?:on|it|still|up|everything|your horses|fire)(?: please| now| there| a (?:second|moment|minute|sec))*|"
     r"stand (?:still|down)|stay(?: there| still| put| where you are| right there| here)?|quit(?: it| that| now)?|quit (?:moving|doing that|what you are doing)|"
     r"no stop|(?:that is )?enough(?: now| already)?|never ?mind|forget (?:it|that|about it)|do nothing|leave everything(?: as it is)?|whoa|"

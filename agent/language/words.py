@@ -20,7 +20,7 @@ CONTRACTIONS: tuple[tuple[str, str], ...] = (
     (r"\b(?:wher|whre|wheer|whear)\b", "where"), (r"\b(?:waht|wat|whta|hwat|wht)\b", "what"), (r"\bwich\b", "which"), (r"\b(?:nxt|nex) to\b", "next to"),
     (r"\b(?:wen|whn)\b", "when"), (r"\b(?:whi|wy|hwy)\b", "why"), (r"\b(?:adn|nad|annd)\b", "and"), (r"\bthx\b", "thanks"), (r"\b(?:plz|pls|plse|pleas|pleae)\b", "please"),
     (r"\bkinda\b", "kind of"), (r"\bcoulda\b", "could have"), (r"\bwudja\b", "would you"), (r"\bcud\b", "could"), (r"\bem\b", "them"), (r"\by'all\b", "you"), (r"\bim\b", "i am"), (r"\bid like\b", "i would like"),
-    (r"\bive\b", "i have"), (r"\bcant\b", "can not"), (r"\bwont\b", "will not"), (r"\btht\b", "that"), (r"\bfrm\b", "from"), (r"\bonot\b", "onto"), (r"\bwiht\b", "with"), (r"\bdnt\b", "do not"),
+    (r"\bive\b", "i have"), (r"\bcant\b", "can not"), (r"\bwont\b", "will not"), (r"\b(?:puck|pock|oick|pikc|pic|pck|picl) up\b", "pick up"), (r"\b(?:teh|hte) ", "the "), (r"\btht\b", "that"), (r"\bfrm\b", "from"), (r"\bonot\b", "onto"), (r"\bwiht\b", "with"), (r"\bdnt\b", "do not"),
     (r"\b(?:taht|tath)\b", "that"), (r"\b(?:yuo|yu)\b", "you"), (r"\bint he\b", "in the"), (r"\bont he\b", "on the"), (r"\b(?:lft|letf)\b", "left"), (r"\b(?:rigth|rite|rihgt|rght)\b", "right"),
     (r"\bwere (is|are)\b", r"where \1"), (r"\bpik\b", "pick"), (r"\bsee through\b", "see-through"),
 )  # fmt: skip
@@ -119,7 +119,9 @@ def mend(token: str) -> str:
     """
     if len(token) == 3 and token not in vocabulary():
         swapped = {token[1] + token[0] + token[2], token[0] + token[2] + token[1]} & set(lexicon.NOUNS)
-        return swapped.pop() if len(swapped) == 1 else token
+        longer = {w for w in _CONTENT | _SHORT if len(w) == 4 and w[0] == token[0] and edits(token, w, 1) == 1}
+        likely = swapped or (longer if token not in THREE else set())
+        return likely.pop() if len(likely) == 1 else token
     if not token.isalpha() or len(token) < 4 or token in vocabulary() or singular(token) in vocabulary():
         return token
     limit = 2 if len(token) >= 8 else 1
@@ -147,6 +149,20 @@ _CONTENT = frozenset(
     word for phrase in (*lexicon.NOUNS, *lexicon.PICK_VERBS, *lexicon.COLOURS) for word in phrase.split()
 )
 """Words that win a tie between two mendings: things, colours and taking."""
+
+
+_SHORT = frozenset(("give", "hand", "pass", "next", "left", "sort", "near", "move", "with", "from", "what", "this"))
+THREE = frozenset(
+    "pet bat rat mat sat fat oil ice gas pie pig cow hen fox bee ant leg ear eye lip toe kid boy man men dad mum son sun sky sea air "
+    "van bed tub mud fog zip gum jam ham nut fig rye ivy elm oak fir log pin rod wig net ink dye art fun war law tax fee ale gin rum "
+    "nap rug bib big bit bad bag ban bar bet bid bob bog bud bug bun buy cab cob cod cot cry cue dam day den dew did dig dim dip dog "
+    "dot dry due dug end eve fan far fed few fin fit fix fly foe for fry fur gap gem get god got gun gut guy had has hay her hid him "
+    "hip his hit hob hog hop hot how hub hug hum hut ill jar jaw jet job jog joy jug key lab lad lap lay led let lid lie lit lot low "
+    "mad map mix mob mop mow nod nor now odd off old one our out owe own pad pay pea pep pit pod pop pub put ran rap raw ray red rib "
+    "rid rip rob rot row rub run sad saw say set sew she shy sin sip sir sit six ski sob sow soy spa spy tab tag tan tap tar tie tin "
+    "tip ton top tow try tug two use vet via vow wax way web wed wet who why win wit won yes yet you zoo ran gel pal cad lag".split()
+)
+"""English words of three letters that are no typos of something longer."""
 
 
 def edits(a: str, b: str, limit: int) -> int:

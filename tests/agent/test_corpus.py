@@ -10,12 +10,15 @@ from agent.brain import Situation
 from agent.brains.rules import RulesBrain
 from agent.language.notation import noted
 from bench.language_report import CORPUS as FRESH
-from bench.language_report import measure_commands, measure_references
+from bench.language_report import measure_commands, measure_references, normal, rows
 
 CORPUS = Path(__file__).parent / "corpus" / "commands.txt"
 ROWS = [
     tuple(line.split(" => ")) for line in CORPUS.read_text(encoding="utf-8").splitlines() if line and line[0] != "#"
 ]
+
+
+TUNING = tuple(rows(Path(__file__).parent / "corpus" / "tuning.txt"))
 
 
 def meaning(instruction: str) -> str:
@@ -27,6 +30,13 @@ def meaning(instruction: str) -> str:
 def test_command_means(instruction: str, expected: str) -> None:
     """Each command of the corpus is understood exactly: kind, thing, qualifiers, destination, or refused."""
     assert meaning(instruction) == expected
+
+
+def test_commands_the_parser_was_tuned_on() -> None:
+    """Every command of the tuning corpus is understood exactly; "thing" and "object" count as one word."""
+    missed = [said for said, expected in TUNING if normal(meaning(said)) != normal(expected)]
+    assert missed == []
+    assert len(TUNING) >= 450
 
 
 def test_the_corpus_is_large_enough() -> None:
