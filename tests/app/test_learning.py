@@ -12,6 +12,7 @@ from app.options import RunOptions
 from app.session import Session
 from kb.errors import EnvironmentFaultError
 from kb.learned import LearnedBase
+from tests.experience_fixtures import make_store
 
 WORDS = "pick up the cube"
 
@@ -51,10 +52,14 @@ def test_a_run_that_learns_enters_its_attempts(tmp_path: Path, capsys: pytest.Ca
 
 
 def test_learning_says_what_it_cannot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A file instead of a folder, a server beside a folder, a damaged journal: one line, exit 2 or 3."""
+    """A file instead of a folder, a server beside a folder, another embedder's entries, a damaged journal: one
+    line, exit 2 or 3."""
     file = tmp_path / "kb.jsonl"
     file.write_text("x")
+    foreign = tmp_path / "foreign.jsonl"
+    make_store(path=foreign)
     for words, code in (
+        (["--kb", str(foreign)], 3),
         (["--learn", "--kb", str(file)], 2),
         (["--learn", "--kb-url", "http://127.0.0.1:1"], 2),
         (["--kb", str(tmp_path / "none.jsonl")], 3),
@@ -79,3 +84,17 @@ def test_an_object_is_taught(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert len(taught) >= 2
     assert sum(entry.n_trials for entry in taught) <= 20
     assert "succeeded" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_the_quick_evaluation_of_the_command_line(tmp_path: Path) -> None:
+    """`kb eval --quick` on the twelve objects writes the promised JSON, the tables and the page."""
+    file, out = tmp_path / "numbers.json", tmp_path / "report"
+    words = ["kb", "eval", "--quick", "--splits", "in", "--json", str(file), "--out", str(out)]
+    assert run_command_line(words) == 0
+    found = json.loads(file.read_text())
+    assert found["queries"] == 12
+    assert found["systems"]["haa"]["p_at_1"] >= 0.9
+    assert {"p_at_1", "p_at_3", "mrr", "affordance_match", "r_func_p_at_1"} <= set(found["systems"]["oracle"])
+    assert (out / "report.html").read_text().count("<svg") >= 3
+    assert "HAA" in (out / "tables.md").read_text()
