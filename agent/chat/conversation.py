@@ -190,7 +190,25 @@ class Conversation:
     # Speaking -----------------------------------------------------------------------------------------------------
 
     def say(self, text: str) -> Iterator[BaseStep]:
-        """One utterance of the person; while a motion waits for approval it is the answer to that."""
+        """One utterance of the person; while a motion waits for approval it is the answer to that.
+
+        What was said by `steer` too late to be heard in this turn becomes a turn of its own right after it.
+        """
+        yield from self._one(text)
+        yield from self.unheard()
+
+    def unheard(self) -> Iterator[BaseStep]:
+        """Deals with what was said by `steer` and came too late for its turn; after a stop it is dropped."""
+        from agent.chat.events import Noted, Said
+
+        while (letter := self._letter()) is not None:
+            yield Said(text=letter)
+            if self.stopped:
+                yield Noted(text=f'I am stopped, so I do nothing about "{letter}".')
+            else:
+                yield from self._one(letter)
+
+    def _one(self, text: str) -> Iterator[BaseStep]:
         try:
             words = checked(heard(text))
         except RagVlmError as error:
@@ -224,9 +242,15 @@ class Conversation:
     def _letters(self) -> tuple[str, ...]:
         """What was said since the last call."""
         letters: list[str] = []
-        while not self._mail.empty():
-            letters.append(self._mail.get())
+        while (letter := self._letter()) is not None:
+            letters.append(letter)
         return tuple(letters)
+
+    def _letter(self) -> str | None:
+        try:
+            return self._mail.get_nowait()
+        except queue.Empty:
+            return None
 
     def resume(self) -> Iterator[BaseStep]:
         """Goes on with the turn that was cut off."""

@@ -255,7 +255,7 @@ def _category(state: State) -> tuple[str, ...]:
     """Of "the other one": the kind of thing that was spoken of, if there are several of them."""
     last = state.asked[-1].target_category if state.asked else None
     seen = state.percept.objects if state.percept is not None else ()
-    several = last is not None and sum(obj.category == last for obj in seen) > (state.held is None)
+    several = any(obj.category == last and obj.id != state.last_target for obj in seen)
     return (last,) if several and last is not None else ()
 
 

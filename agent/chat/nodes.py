@@ -62,7 +62,7 @@ def next_call(state: State, runtime: Run) -> Update:
     update = Update(call=None)
     if state.call is not None and state.call.tool == "task":
         asked = tuple(goal for goal in state.goals if goal.parent is None)
-        about = tuple(goal for goal in asked if goal.reference is not None)
+        about = tuple(goal for goal in asked if goal.reference is not None and not _back(goal))
         deed = tuple(goal for goal in asked if goal.moves and not _back(goal))
         update["asked"] = about or state.asked
         update["deed"] = deed or state.deed

@@ -41,7 +41,9 @@ class ChatPrinter:
             self._labelled(event)
         elif event.kind == "understood" and not event.goals:
             return  # the answer or question that follows says it
-        elif event.kind != "said":
+        elif event.kind == "said":
+            self.say(f"you> {event.text}", "dim")
+        else:
             self._steps.show(event.model_copy(update={"text": inert(event.text)}))
 
     def say(self, text: str, style: str = "") -> None:

@@ -77,6 +77,10 @@ class Talk:
             self.printer.say(f"error: {error}")
         return True
 
+    def catch_up(self) -> None:
+        """Deals with what was said while a command was at work and came too late for it."""
+        self._run(self.conversation.unheard())
+
     def _run(self, events: Iterator[Any]) -> int:
         """Shows the events of a turn; returns how many there were."""
         count = 0

@@ -111,6 +111,8 @@ class Terminal:
         try:
             if not self._talk.hear(line):
                 self._leaving = True
+            else:
+                self._talk.catch_up()
         except BaseException as error:
             self._failure, self._leaving = error, True
         self._wake()
