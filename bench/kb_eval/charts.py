@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from bench.kb_eval.measure_ranking import Mean
 from bench.report import svg
 
-LEFT, WIDTH, ROW, TOP = 230.0, 430.0, 24.0, 34.0
+LEFT, WIDTH, ROW, TOP = 280.0, 430.0, 24.0, 34.0
 BLUE, RED, GREEN = "var(--c-blue)", "var(--c-red)", "var(--c-green)"
 
 

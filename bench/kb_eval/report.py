@@ -113,7 +113,9 @@ def _cell(mean: Mean) -> str:
     if math.isnan(mean.value):
         return "–"
     text = f"{100 * mean.value:.1f}"
-    return text if math.isnan(mean.low) else f"{text} [{100 * mean.low_by_object:.0f}, {100 * mean.high_by_object:.0f}]"
+    if math.isnan(mean.low) or mean.low_by_object == mean.high_by_object:
+        return text  # all queries alike: a bootstrap says nothing then
+    return f"{text} [{100 * mean.low_by_object:.0f}, {100 * mean.high_by_object:.0f}]"
 
 
 def findings(study: Study) -> list[Finding]:
