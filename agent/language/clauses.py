@@ -65,13 +65,16 @@ TEMPORAL = ("after", "before", "once", "when", "as soon as")
 _DOERS = ("you", "have", "had", "that", "are", "done", "finished", "just", "first")
 HAND_ME = re.compile(
     r"^(?:i (?:want|need|would like(?: to have)?|could use|would love)|(?:can|could|may|might) i (?:please )?(?:have|get)|"
-    r"let me have|i will (?:have|take)|i am looking for|i could (?:do with|use)|i would (?:also )?(?:like|love|appreciate)(?: to have| to get)?|"
+    r"let me have|have(?= (?:the|a|an|that|this|my|some)\b)|i will (?:have|take)|i am looking for|i could (?:do with|use)|i would (?:also )?(?:like|love|appreciate)(?: to have| to get)?|"
     r"i could really use|i require|i fancy|may we have|can we have|we need|"
     r"(?:get|fetch|bring|grab|give|hand|pass|find|send|serve|lend|offer|pick) me|"
     r"hand over|pass over)\s+(?:over )?(?!to\b|you\b)(?P<what>.+)$"
 )
 NOT_DO = re.compile(
     r"^(?:please )?(?:do not|never|not|you (?:must|should|shall|may) not|avoid|refrain from)\s+(?P<rest>.+)$"
+)
+ASKS_START = re.compile(
+    r"^(?:tell me|show me (?:where|what|how)|describe|what (?:is|do|can)|where is|how many|say (?:what|how)|list|count) "
 )
 UNABLE_START = re.compile(r"^(?:" + "|".join(sorted(lexicon.UNABLE, key=len, reverse=True)) + r")\b")
 
@@ -230,6 +233,7 @@ def _joint(tokens: list[str], i: int) -> int:
         starts_verb = (
             find_verb(rest) is not None or bool(NOT_DO.match(" ".join(rest))) or bool(HAND_ME.match(" ".join(rest)))
         )
+        starts_verb = starts_verb or bool(ASKS_START.match(" ".join(rest)))
         starts_verb = starts_verb or bool(UNABLE_START.match(" ".join(rest)))
         if strong or starts_verb:
             return start - i + len(parts)

@@ -133,5 +133,27 @@ def _same(one: Reference, other: Reference) -> bool:
     """Whether two references speak of the same thing for all that was said."""
     if one.pronoun or other.pronoun:
         return other.pronoun
-    plain = (one.noun, one.colour, one.material, one.side, one.ordinal, one.extreme, one.relation)
-    return plain == (other.noun, other.colour, other.material, other.side, other.ordinal, other.extreme, other.relation)
+    plain = (
+        one.noun,
+        one.colour,
+        one.material,
+        one.side,
+        one.ordinal,
+        one.extreme,
+        one.relation,
+        one.quality,
+        one.state,
+        one.shape,
+    )
+    return plain == (
+        other.noun,
+        other.colour,
+        other.material,
+        other.side,
+        other.ordinal,
+        other.extreme,
+        other.relation,
+        other.quality,
+        other.state,
+        other.shape,
+    )

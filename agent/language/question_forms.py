@@ -40,7 +40,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"what (?:am i|are we) (?:allowed|able) to (?:say|ask|do)(?: here| now)?", r"what (?:should|may|must|could|shall|might) i (?:say|ask|type|tell you|do)(?: here| now| to you)?", r"what (?:else )?(?:can|could|do) you (?:do|understand|know how to do|help (?:me )?with|offer)(?: for me| here)?",
         r"what (?:do you|can you) (?:understand|know)(?: how to do)?", r"how do i (?:start|begin|do this|work with you|give (?:you )?(?:a )?commands?)", r"how do you work",
         r"what (?:things|tasks|jobs|actions) (?:can|do) you (?:do|perform|know|understand|handle)", r"i (?:am lost|do not know what to (?:say|do))", r"what is this", r"what are my options",
-        r"who are you", r"what are you", r"(?:tell me )?(?:about|introduce) yourself", r"what kind of robot are you", r"instructions", r"usage", r"manual", r"what do you understand",
+        r"who are you", r"what are you", r"what (?:can|could|may|should) i (?:tell|ask|order|command|make|have) you(?: to)?(?: do| for)?", r"(?:tell me )?(?:about|introduce) yourself", r"what kind of robot are you", r"instructions", r"usage", r"manual", r"what do you understand",
     ),
     _pattern(
         "what_if",
@@ -104,7 +104,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"(?:describe|list|show|name|enumerate|tell me about|give me a list of|report|inspect|scan|observe)(?: me)?(?: all| what)?"
         r"(?: of)?(?: the| your)? ?(?:scene|table|objects?|things|items|everything|surroundings|workspace|you see|is there|"
         r"is on the table|there is|view)?(?: you (?:can )?see)?(?: on the table| you see| there| here| that you see)?",
-        r"(?:which|what) (?:objects|things|items)(?: (?:are|do you see|can you see|is|lie|stand|have you).*)?",
+        r"(?:describe|show|explain|list|name) (?:the |your |this )?(?:scene|table|objects|things|items|surroundings|workspace) (?:to|for) (?:me|us)", r"(?:which|what) (?:objects|things|items)(?: (?:are|do you see|can you see|is|lie|stand|have you).*)?",
         r"(?:tell|show) me (?:what is|what all is|what is all)", r"tell me what (?:you (?:can )?see|is (?:there|on the table))(?: on the table)?", r"what have you (?:got|found|seen)",
         r"is (?:there )?(?:anything|something)(?: there| on the table)?", r"show me what you (?:can )?see",
         r"(?:please |can you |could you |would you )*(?:tell me|describe|list|show me|name|give me|report|say)(?: me| to me)?(?: (?:about|of|a|an|the|short|quick|brief|full|complete|all|list|overview|description|summary|inventory|report|picture|what|everything|things|objects|items|each|every|object|thing|item|that|which|whatever))* (?:overview|description|summary|inventory|report|(?:you|i|we) (?:can |could )?(?:see|have|recogni[sz]e|detect|perceive|notice)|is there|there is|is (?:lying |standing )?on (?:the|your|this) (?:table|desk)|(?:on|of) (?:the|your|this) (?:table|desk|scene|workspace))"

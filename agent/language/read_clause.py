@@ -12,7 +12,7 @@ from agent.language.cut_phrase import TABLE
 from agent.language.read_clearing import read_clearing
 from agent.language.read_place import read_place
 from agent.language.read_reference import is_reference, read_reference
-from agent.language.words import mend
+from agent.language.words import edits, mend, vocabulary
 
 CANNOT_READ = (
     "I did not understand that. I can pick things up, put them somewhere, clear the table, sort things, and answer "
@@ -152,7 +152,12 @@ def _measure_of(token: str) -> Measure | None:
         "heaviest": "weight", "lightest": "weight", "sturdiest": "fragility", "lighter": "weight", "heavier": "weight",
         "bigger": "size", "smaller": "size", "larger": "size", "sturdy": "fragility", "robust": "fragility",
     }  # fmt: skip
-    return extremes.get(token)
+    near = {
+        measure
+        for word, measure in lexicon.MEASURES.items()
+        if len(word) > 3 and token not in vocabulary() and edits(token, word, 1) <= 1
+    }
+    return extremes.get(token) or (near.pop() if len(near) == 1 and len(token) > 3 else None)
 
 
 def _pick(rest: list[str]) -> list[Goal] | str:
@@ -267,6 +272,8 @@ def _readable(unknown: list[str], found: dict[str, object], strict: bool) -> boo
     """An unknown adjective before a known noun may pass; more than one, or where no verb was said, may not."""
     if not unknown:
         return True
+    if found.get("noun") in lexicon.GENERIC:
+        return False  # "something to write with": what is meant is in the word that was not understood
     return not strict and len(unknown) == 1 and unknown[0] not in TABLE and bool(found.get("noun"))
 
 

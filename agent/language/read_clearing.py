@@ -36,7 +36,7 @@ def read_clearing(line: str) -> list[Goal] | None:
         found = regex.match(line)
         if not found:
             continue
-        if regex is EVERYTHING_AWAY and KEEPING.match(line) and not found["where"]:
+        if regex is EVERYTHING_AWAY and KEEPING.match(line) and (found["where"] or "").strip() in ("", "up"):
             return None
         if regex is EVERYTHING_AWAY and OTHER_PLACE.search(line) and not BIN_SAID.search(line):
             return None

@@ -55,8 +55,11 @@ FORCE = re.compile(r"(\d+(?:\.\d+)?)\s*(?:n\b|newtons?\b)")
 
 
 ASKS_OF = re.compile(r"\b(?:made|weigh|colou?r|look like|how|material|size|shape|kind)\b")
+HOW_IT_IS = re.compile(
+    r"^(?:(?:tell|show) me|say|do you know|i want to know|i wonder) (?:what|how|which) (?:[a-z]+ ){1,2}?(?P<what>(?:the|it|that|this|my)\b.*?) (?:is|are|has|weighs?)(?: made of)?$"
+)
 _ABOUT: tuple[tuple[re.Pattern[str], Query], ...] = (
-    (COUNT_UP, "count"), (NEAR, "near"), (NEIGHBOURS, "near"), (COUNT, "count"), (WHERE, "where"), (PROPERTIES, "properties"),
+    (COUNT_UP, "count"), (HOW_IT_IS, "properties"), (NEAR, "near"), (NEIGHBOURS, "near"), (COUNT, "count"), (WHERE, "where"), (PROPERTIES, "properties"),
 )  # fmt: skip
 """Questions about a thing, tried in this order."""
 

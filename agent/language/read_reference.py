@@ -200,7 +200,7 @@ def _read_head(tokens: list[str], reading: Reading) -> None:
             found["pronoun"] = found.get("pronoun", False) or token == "it"
         elif token not in (*ARTICLES, *CLAUSE_WORDS, ",", "from", "on", "in", "at", "to", "with", "side", "hand", "colored",
                            "coloured", "color", "colour", "shaped", "looking", "made", "kind", "ish", "end", "edge", "part",
-                           "corner", "for", "me", "by", "only", "as", "well", "too", "please", "near", "it", "far",
+                           "corner", "for", "me", "by", "only", "as", "well", "too", "please", "near", "it", "far", "like", "want", "prefer", "wish", "random", "whatever", "we", "i", "us",
                            *TABLE):  # fmt: skip
             reading.unknown.append(token)
         elif token in TABLE and i + 1 < len(tokens) and (i == 0 or tokens[i - 1] not in ARTICLES):

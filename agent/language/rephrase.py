@@ -46,6 +46,9 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"^(?:(?:would |do )?you )?mind (?=[a-z]+ing\b)", ""),
         (r"\bmade (?:out of|from|entirely of|of pure) ", "made of "),
         (r" (?:[,.;] )?(?:and |then )?wait(?: (?:for [a-z]+|a (?:moment|second|minute|bit|while)|until [^,.;]+|(?:\d+|two|three|five|ten) seconds?))?(?= [,.;]| and | then )", ""),
+        (r"^take (?P<t>(?:the|that|this|my|these|those|it|them|both|all|a)\b[^,.;]*) away$", r"take away \g<t>"),
+        (r"^(?P<a>[^.;]+?) (?:[,.;] )?(?:but |and )?(?:before that|before doing so|before you do(?: that| so| it)?|but before)(?: [,.;])? (?P<b>(?!the\b|it\b)[^,.;]+)$", r"\g<b> then \g<a>"),
+        (r"\b(?:farthest|furthest|most distant|far) (?:away )?from (?:me|us|here)\b", "farthest"),
         # what is to stay
         (r"(?:^|(?: [,.;])?(?: and| but| while)? )(?P<stays>(?:the|my|that) (?:[a-z]+ ){0,2}?[a-z]+) (?:stays?|remains?|(?:should|must|can|has to|is to|may|shall|needs to) (?:stay|remain)|"
          r"(?:should|must|may|shall|is|can) not (?:to )?be (?:touched|moved|taken|cleared))(?: (?:put|there|here|where it is|where they are|on the (?:table|desk)|untouched|alone|in place|standing))*(?=$| [,.;]| and )",

@@ -20,7 +20,7 @@ _PHRASES = re.compile(
     r"^(?:(?:please|no|hey|robot|oh no|now|oh) )*(?:wait(?: for (?:me|us|it|a .*))?(?: a (?:moment|second|minute|sec|bit))?|cancel(?: that| it| this| everything| all| the (?:task|motion|order|command|action|job))?|"
     r"do not move(?: anything| a muscle| at all| an inch)?(?: now| any ?more)?|hold (?:on|it|still|up|everything|your horses|fire)(?: please| now| there| a (?:second|moment|minute|sec))*|"
     r"stand (?:still|down)|stay(?: there| still| put| where you are| right there| here)?|quit(?: it| that| now)?|quit (?:moving|doing that|what you are doing)|"
-    r"no stop|(?:that is )?enough(?: now| already)?|never ?mind|forget (?:it|that|about it)|do nothing|leave everything(?: as it is)?|whoa|"
+    r"no stop|(?:that is )?enough(?: now| already)?|never ?mind(?: that| it| about (?:it|that))?|forget (?:it|that|about it)|do nothing|leave everything(?: as it is)?|whoa|"
     r"no do not(?: do (?:it|that|this))?|do not do (?:it|that|this|anything)(?: please)?|do not(?: please)?|do not (?:go on|continue|proceed)(?: any further| please)?|"
     r"call it off|knock it off|cut it out|give it a rest|drop everything and stop|cut (?:the )?(?:power|motors)|power (?:off|down)|shut (?:down|off)|"
     r"turn (?:yourself |the robot )?off|that will do|kill (?:it|the (?:power|motors|motion))|hit the brakes?|brake|keep still|be still|remain still|not another (?:move|inch|step)|"

@@ -17,7 +17,7 @@ CONTRACTIONS: tuple[tuple[str, str], ...] = (
     (r"\blemme\b", "let me"), (r"\bgonna\b", "going to"), (r"\bill\b", "i will"), (r"\bur\b", "your"), (r"\bu\b", "you"),
     (r"\b(teh|hte|th)\b", "the"), (r"\band than\b", "and then"),
     (r"\bs+t+o+p+\b", "stop"), (r"\b(?:stahp|stpo|sotp|satop|tsop)\b", "stop"), (r"\s&\s", " and "),
-    (r"\b(?:wher|whre|wheer|whear)\b", "where"), (r"\b(?:waht|wat|whta|hwat|wht)\b", "what"), (r"\bwich\b", "which"), (r"\b(?:nxt|nex) to\b", "next to"),
+    (r"\b(?:wher|whre|wheer|whear)\b", "where"), (r"\b(?:waht|wat|whta|hwat|wht)\b", "what"), (r"\b(?:wats|wahts|whast)\b", "what is"), (r"\bwich\b", "which"), (r"\b(?:nxt|nex) to\b", "next to"),
     (r"\b(?:wen|whn)\b", "when"), (r"\b(?:whi|wy|hwy)\b", "why"), (r"\b(?:adn|nad|annd)\b", "and"), (r"\bthx\b", "thanks"), (r"\b(?:plz|pls|plse|pleas|pleae)\b", "please"),
     (r"\bkinda\b", "kind of"), (r"\bcoulda\b", "could have"), (r"\bwudja\b", "would you"), (r"\bcud\b", "could"), (r"\bem\b", "them"), (r"\by'all\b", "you"), (r"\bim\b", "i am"), (r"\bid like\b", "i would like"),
     (r"\bive\b", "i have"), (r"\bcant\b", "can not"), (r"\bwont\b", "will not"), (r"\b(?:puck|pock|oick|pikc|pic|pck|picl) up\b", "pick up"), (r"\b(?:teh|hte) ", "the "), (r"\btht\b", "that"), (r"\bfrm\b", "from"), (r"\bonot\b", "onto"), (r"\bwiht\b", "with"), (r"\bdnt\b", "do not"),
