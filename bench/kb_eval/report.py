@@ -56,6 +56,8 @@ def as_json(study: Study) -> dict[str, Any]:
         ],
         "tau_sweep": [_clean(row) for row in study.tau_sweep],
         "weight_sweep": [_clean(row) for row in study.weight_sweep],
+        "left_out_tau_sweep": [_clean(row) for row in study.left_out_tau_sweep],
+        "left_out_weight_sweep": [_clean(row) for row in study.left_out_weight_sweep],
         "machine": study.machine,
     }
 
@@ -209,11 +211,15 @@ def html(study: Study) -> str:
         )
         for number, part in enumerate(study.parts)
     ]
-    sweeps = [
-        (tau_chart(study.tau_sweep), "The threshold of level 2; the paper's is 0.3."),
-        (weight_chart(study.weight_sweep, "r_func_p_at_1", "R-func P@1"), "Fusion weights; the dot is the paper's."),
-        (weight_chart(study.weight_sweep, "p_at_1", "R-aff P@1"), "Fusion weights; the dot is the paper's."),
-    ]  # fmt: skip
+    sweeps: list[tuple[str, str]] = []
+    for words, taus, weights in (
+        ("all entries", study.tau_sweep, study.weight_sweep),
+        ("own category left out", study.left_out_tau_sweep, study.left_out_weight_sweep),
+    ):
+        if taus:
+            sweeps.append((tau_chart(taus), f"The threshold of level 2, {words}; the paper's is 0.3."))
+        for key, measure in (("r_func_p_at_1", "R-func P@1"), ("p_at_1", "R-aff P@1")):
+            sweeps.append((weight_chart(weights, key, measure), f"Fusion weights, {words}; the dot is the paper's."))
     sections.append(Section("sweeps", "Threshold and weights", "Nothing was tuned on these queries.", sweeps, ()))
     facts = {escape(name): value for name, value in _facts(study).items()}
     return page(

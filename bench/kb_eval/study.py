@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -58,6 +58,9 @@ class Study:
     tau_sweep: list[dict[str, float]]
     weight_sweep: list[dict[str, float]]
     machine: str
+    left_out_tau_sweep: list[dict[str, float]] = field(default_factory=list[dict[str, float]])
+    """The same with the query's own category left out, where threshold and weights matter more."""
+    left_out_weight_sweep: list[dict[str, float]] = field(default_factory=list[dict[str, float]])
     current: bool = True
     """The executed outcomes were made by the present code of world and trials."""
 
@@ -104,6 +107,7 @@ def study(wanted: Wanted, progress: Progress | None = None) -> Study:
     inside = [query for query in queries if query.split == "in"]
     numbers = [number for number, query in enumerate(queries) if query.split == "in"]
     judged = judge(inside, [_of(sights[0], numbers)], executed, Setting())
+    harder = judge(inside, [_of(sights[0], numbers)], executed, Setting(leave_out=True))
     return Study(
         knowledge_base={
             "entries": len(store),
@@ -116,6 +120,8 @@ def study(wanted: Wanted, progress: Progress | None = None) -> Study:
         parts=parts,
         tau_sweep=sweep(judged, sights[0].word, [Fusion(tau=tau) for tau in TAUS]) if judged else [],
         weight_sweep=sweep(judged, sights[0].word, weight_grid()) if judged else [],
+        left_out_tau_sweep=sweep(harder, sights[0].word, [Fusion(tau=tau) for tau in TAUS]) if harder else [],
+        left_out_weight_sweep=sweep(harder, sights[0].word, weight_grid()) if harder else [],
         current=executed.code == code_digest(),
         machine=f"{platform.machine()}, Python {platform.python_version()}",
     )
