@@ -21,11 +21,11 @@ from agent.placing import place_args, put_back_args
 from agent.safety.consult import Consultation
 from agent.safety.gate import judged_reflection
 from agent.state import State, Update, merged
+from agent.traced_tools import classify_failure, correct_grasp, execute_grasp, place_object
 from kb.sensing import Correction, Evidence
-from tools.classify_failure import ClassifyArgs, classify_failure
-from tools.correct_grasp import CorrectArgs, correct_grasp
-from tools.execute_grasp import ExecuteArgs, execute_grasp
-from tools.place_object import place_object
+from tools.classify_failure import ClassifyArgs
+from tools.correct_grasp import CorrectArgs
+from tools.execute_grasp import ExecuteArgs
 
 Run = Runtime[AgentContext]
 

@@ -22,19 +22,28 @@ from agent.known_things import found_again, without_held
 from agent.safety.consult import Consultation
 from agent.safety.gate import judged_answer, judged_names, judged_thought, judged_understanding
 from agent.state import State, Update, merged
+from agent.traced_tools import (
+    build_scene_graph,
+    choose_grasp,
+    infer_constraints,
+    name_objects,
+    perceive,
+    plan_grasp,
+    retrieve_haarag,
+)
 from kb.constraint import Constraints
 from kb.percept import Percept
 from kb.run_result import ModelUse
 from kb.sensing import Plan
 from memory import EpisodicMemory
-from tools.build_scene_graph import SceneGraphArgs, build_scene_graph
-from tools.choose_grasp import Choice, ChooseArgs, choose_grasp
-from tools.infer_constraints import ConstraintArgs, infer_constraints
-from tools.name_objects import NameArgs, name_objects
-from tools.perceive import PerceiveArgs, perceive
-from tools.plan_grasp import PlanArgs, plan_grasp
+from tools.build_scene_graph import SceneGraphArgs
+from tools.choose_grasp import Choice, ChooseArgs
+from tools.infer_constraints import ConstraintArgs
+from tools.name_objects import NameArgs
+from tools.perceive import PerceiveArgs
+from tools.plan_grasp import PlanArgs
 from tools.planning.remembered import RememberedGrasp
-from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
+from tools.retrieve_haarag import RetrieveArgs
 
 Run = Runtime[AgentContext]
 

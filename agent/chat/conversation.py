@@ -112,6 +112,10 @@ class Conversation:
                 lock.release()
             raise
         talk = cls(agent, folder=folder, lock=lock)
+        if folder is not None and thread is not None:
+            from agent.chat.spans import Spans
+
+            agent.config["callbacks"] = [Spans(folder, thread)]
         talk.asks = asks
         talk._stand()
         return talk
