@@ -96,7 +96,7 @@ def test_looking_again_asking_and_giving_up() -> None:
             else GOOD[prompt.role]
         )
     )
-    result, steps = told(agent(looks))
+    result, steps = told(agent(looks, dry_run=True))
     assert kinds(steps).count("look") == 2
     assert result.success
     result, steps = told(agent(always("think", think(choice="ask", question="The red one?"))))
@@ -160,13 +160,13 @@ def test_answers_may_not_invent_numbers() -> None:
 
 def test_budgets_end_the_model_and_not_the_run() -> None:
     """With one question allowed the rules do the rest, and the result says so."""
-    result, _ = told(agent(ScriptedChat(), brain_limits=BrainLimits(calls=1)))
+    result, _ = told(agent(ScriptedChat(), brain_limits=BrainLimits(calls=1), dry_run=True))
     assert result.success
     assert result.model_use.calls == 1
     assert "budget" in result.model_use.fallbacks[0]
-    result, _ = told(agent(ScriptedChat(), brain_limits=BrainLimits(tokens=10)))
+    result, _ = told(agent(ScriptedChat(), brain_limits=BrainLimits(tokens=10), dry_run=True))
     assert result.success
-    result, _ = told(agent(ScriptedChat(), brain_limits=BrainLimits(seconds=0.0)))
+    result, _ = told(agent(ScriptedChat(), brain_limits=BrainLimits(seconds=0.0), dry_run=True))
     assert result.model_use.calls == 0
 
 
@@ -201,7 +201,7 @@ def test_recorded_replies_give_the_identical_run(tmp_path: Path) -> None:
     """
     file = tmp_path / "brain.jsonl"
     roles = {**GOOD, "think": think(speed_percent=70)}
-    options: dict[str, Any] = {"perception": "rgbd"}
+    options: dict[str, Any] = {"perception": "oracle"}
     with fault_server(("by_role", roles)) as server:
         command: dict[str, Any] = {"brain": "openai:good", "base_url": server.url, "record_brain": file, **options}
         first = told(build_agent("single_cube", SEED, **command))

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agent.attempt import Attempt
@@ -100,6 +100,7 @@ def _outside(text: str) -> str:
     return re.sub(r"<data>.*?</data>", "<data></data>", text, flags=re.DOTALL)
 
 
+@settings(max_examples=40)
 @given(
     st.recursive(
         st.none() | st.booleans() | st.floats() | st.text(max_size=400),
