@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import queue
 import signal
 import threading
 from pathlib import Path
@@ -22,7 +23,7 @@ LONGEST_PASTE = 20_000
 LONGEST_REMEMBERED = 2_000
 """Longer lines do not go into the history file."""
 WHILE_BUSY = ("/stop", "/release", "/quit")
-"""Commands that are heard while the robot works."""
+"""Commands that are heard while the robot works; others come after it."""
 
 
 class Terminal:
@@ -31,6 +32,7 @@ class Terminal:
     def __init__(self, talk: Talk) -> None:
         self._talk = talk
         self._worker: threading.Thread | None = None
+        self._later: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._leaving = False
         self._code = ACHIEVED
         self._failure: BaseException | None = None
@@ -97,8 +99,9 @@ class Terminal:
         try:
             name, _ = command_of(text)
             if name not in WHILE_BUSY:
-                raise BadInputError(f"{name} has to wait until I am done", choices=WHILE_BUSY)
-            if name == "/quit":
+                self._later.put(line)
+                say(f"({name} comes after this)", "dim")
+            elif name == "/quit":
                 self._leaving = True
             else:
                 (self._talk.conversation.stop if name == "/stop" else self._talk.conversation.release)()
@@ -109,10 +112,12 @@ class Terminal:
     def _hear(self, line: str) -> None:
         """Runs in the thread of the turn."""
         try:
-            if not self._talk.hear(line):
-                self._leaving = True
-            else:
+            self._leaving = not self._talk.hear(line)
+            while not self._leaving:
                 self._talk.catch_up()
+                if self._later.empty():
+                    break
+                self._leaving = not self._talk.hear(self._later.get())
         except BaseException as error:
             self._failure, self._leaving = error, True
         self._wake()
