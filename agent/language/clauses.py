@@ -167,6 +167,8 @@ def _reorder_after(tokens: list[str]) -> list[str]:
         cut = tokens.index(",")
         first, second = [t for t in tokens[1:cut] if t not in ("soon", "as")], tokens[cut + 1 :]
         done = _action(first)
+        if done is None and {"with", "i", "we", "he", "she", "they"} & set(first):
+            return second if "with" in first else tokens  # "once you are done with the cup" asks for nothing
         first = done if done is not None else [t for t in first if t not in _DOERS]
         return [*second, "then", *first] if tokens[0] == "before" else [*first, "then", *second]
     if tokens and tokens[0] in ("after", "before", "once", "when"):  # no comma: the second verb begins what comes then

@@ -34,7 +34,7 @@ OPENERS = (
     "be sure you", "do not forget to", "remember to", "try and", "please try and", "attempt to", "reach over and", "reach out and",
     "lean over and", "come over and", "come and", "go over and", "go there and", "you may now", "you can now", "you could",
     "you might", "you need to", "you have to", "you are to", "you will", "you shall", "i would love you to", "i would love it if you could",
-    "i would like it if you", "i would love for you to", "i would be grateful if you", "i would be glad if you", "i would be happy if you", "it would be great if you",
+    "i would like to see you", "i would love to see you", "i would like it if you", "i would love for you to", "i would be grateful if you", "i would be glad if you", "i would be happy if you", "it would be great if you",
     "it would be nice if you", "i would appreciate it if you", "i would love it if you", "i would be grateful if you could", "i would be glad if you could",
     "i would be happy if you could", "it would be great if you could", "it would be nice if you could", "it would be good if you could",
     "it would help if you could", "i want to have you", "i would have you", "i want you now to", "i expect you to", "i order you to",

@@ -32,7 +32,7 @@ _GRASPED = (
 PATTERNS: tuple[Pattern, ...] = (
     _pattern(
         "help", r"help(?: me| please)?", r"what (?:all )?can (?:you|i) (?:do|say|ask)(?: for me| here)?",
-        r"what are (?:you able to do|you capable of|your (?:abilities|skills|commands|options))", r"how does this work",
+        r"what are (?:you able to do|you capable of|your (?:abilities|skills|commands|options))", r"how does (?:this|it|that|all this|everything)(?: all| robot| thing)? work",
         r"how (?:do|can) i (?:use|talk to|command|control) (?:you|this|it|the robot)", r"(?:show |list )?(?:the )?commands",
         r"(?:which|what) (?:commands|instructions|sentences|words) (?:do you (?:know|understand|have)|can i (?:use|say|give)|are there)",
         r"(?:please )?(?:can|could|would|will) you (?:please )?help(?: me)?(?: out| please)?", r"(?:i|we) (?:need|want|could use|require) (?:some |your |a bit of |any )?help", r"help me out",
@@ -72,10 +72,10 @@ PATTERNS: tuple[Pattern, ...] = (
     _pattern(
         "why",
         rf"(?:so |and )?why (?:did|have|do|would) you (?:just )?{_GRASPED}\b.*", r"why (?:that|this) (?:way|grasp|grip|object|one|side|force|angle|approach)",
-        r"why (?:the |so |with |from |at |by |like |in |on |such )?(?:handle|rim|body|stem|neck|edge|top|side|that|much|little|"
+        r"why (?:the |so |with |from |at |by |like |in |on |such |a |an )*(?:handle|rim|body|stem|neck|edge|top|side|that|much|little|"
         r"gently|slow|slowly|hard|above|force|angle|approach|tight|firmly|this)\b.*",
         r"explain (?:your|the|that|this|why|how)\b.*",
-        r"(?:what is|what was|what were|tell me|give me|explain) (?:me )?(?:the |your )?(?:reason|logic|idea|rationale|thinking|thought|motivation|ground|justification|basis|explanation|point)s?(?: (?:of|for|behind|why|to|here)\b.*)?",
+        r"(?:what is|what was|what were|tell me|give me|explain) (?:me )?(?:the |your )?(?:reason|logic|idea|rationale|thinking|thought|motivation|ground|justification|basis|explanation|point)s?(?: (?:of|for|behind|why|to|here|you|that|it)\b.*)?",
         r"how come\b.*", r"(?:so |and |but )*why (?:so|such|only|exactly|all)\b.*", r"what (?:led|brought|caused|prompted|motivated) you\b.*",
         r"(?:please |can you |could you |would you )*(?:explain|tell me|justify|describe|elaborate on|elaborate|show me)(?: to me)? (?:why|how (?:you|it|that)|your (?:choice|decision|reasoning|grasp|plan|thinking|strategy|thoughts)|the (?:grasp|grip|choice|decision|force|plan))\b.*",
         r"(?:so |and |but )*why (?:did|do|were|are|was|is|have|has|would|should|must) (?:you|it|that|this|the (?:grasp|grip|force|hand|gripper|approach|angle|arm|fingers))\b.*",
@@ -87,7 +87,7 @@ PATTERNS: tuple[Pattern, ...] = (
     ),
     _pattern(
         "held", r"what (?:are|were) you (?:holding|carrying|gripping)(?: now| right now)?",
-        r"(?:tell me |show me )?what (?:you are|you) (?:holding|carrying|gripping|have in (?:your|the) (?:hand|gripper))", r"(?:is|do you have|have you got|are you holding|are you carrying|is there) (?:still )?(?:something|anything|.*) in (?:your|the) (?:hand|gripper|fingers|grip)(?: now| right now| still)?",
+        r"what (?:did|have|do) you (?:just |last |now )?(?:pick|picked|take|taken|took|grab|grabbed|lift|lifted|grasp|grasped|get|got|hold|held)(?: up)?(?: just now| last| now)?", r"(?:tell me |show me )?what (?:you are|you) (?:holding|carrying|gripping|have in (?:your|the) (?:hand|gripper))", r"(?:is|do you have|have you got|are you holding|are you carrying|is there) (?:still )?(?:something|anything|.*) in (?:your|the) (?:hand|gripper|fingers|grip)(?: now| right now| still)?",
         r"are you (?:still |currently )*(?:holding|carrying|gripping) .*", r"is (?:your|the) (?:hand|gripper|grip) (?:empty|free|full|occupied|closed)(?: now| right now)?", r"what (?:have you|did you) (?:got|pick up|picked up|taken|take)(?: in your hand)?(?: last)?",
         r"what (?:is|do you have|have you got|do we have)(?: there)? in (?:your|the) (?:hand|gripper|fingers|grip)(?: right)?(?: now)?",
         r"what (?:is|do you have) in (?:your|the) (?:hand|gripper|fingers)(?: now)?", r"what do you (?:hold|have)(?: now)?",
@@ -104,7 +104,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"(?:describe|list|show|name|enumerate|tell me about|give me a list of|report|inspect|scan|observe)(?: me)?(?: all| what)?"
         r"(?: of)?(?: the| your)? ?(?:scene|table|objects?|things|items|everything|surroundings|workspace|you see|is there|"
         r"is on the table|there is|view)?(?: you (?:can )?see)?(?: on the table| you see| there| here| that you see)?",
-        r"(?:describe|show|explain|list|name) (?:the |your |this )?(?:scene|table|objects|things|items|surroundings|workspace) (?:to|for) (?:me|us)", r"(?:which|what) (?:objects|things|items)(?: (?:are|do you see|can you see|is|lie|stand|have you).*)?",
+        r"(?:describe|show|explain|list|name) (?:the |your |this )?(?:scene|table|objects|things|items|surroundings|workspace) (?:to|for) (?:me|us)", r"(?:which|what) (?:objects|things|items|stuff) (?:do|can|could|did) (?:you|we|i) .*", r"(?:which|what) (?:objects|things|items)(?: (?:are|do you see|can you see|is|lie|stand|have you).*)?",
         r"(?:tell|show) me (?:what is|what all is|what is all)", r"tell me what (?:you (?:can )?see|is (?:there|on the table))(?: on the table)?", r"what have you (?:got|found|seen)",
         r"is (?:there )?(?:anything|something)(?: there| on the table)?", r"show me what you (?:can )?see",
         r"(?:please |can you |could you |would you )*(?:tell me|describe|list|show me|name|give me|report|say)(?: me| to me)?(?: (?:about|of|a|an|the|short|quick|brief|full|complete|all|list|overview|description|summary|inventory|report|picture|what|everything|things|objects|items|each|every|object|thing|item|that|which|whatever))* (?:overview|description|summary|inventory|report|(?:you|i|we) (?:can |could )?(?:see|have|recogni[sz]e|detect|perceive|notice)|is there|there is|is (?:lying |standing )?on (?:the|your|this) (?:table|desk)|(?:on|of) (?:the|your|this) (?:table|desk|scene|workspace))"

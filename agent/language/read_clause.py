@@ -30,6 +30,10 @@ DESCENDING = re.compile(
     r"\b(?:descending|decreasing|(?:most|biggest|largest|heaviest|tallest|most fragile) (?:one |ones |fragile |things |objects )?"
     r"first|from (?:the )?(?:most|big|biggest|large|largest|heavy|heaviest|tall|tallest|high|fragile)\b|reverse)"
 )
+CARRIED_TO = re.compile(
+    r" (?:over )?to the (?:left|right|front|back|rear|middle|cent(?:er|re))(?: side| end| edge| of the table)?$"
+)
+FIRST = re.compile(r" ?(?:the )?(?:most |least )?[a-z]+ (?:ones |things |objects )?(?:first|last)$")
 SPARED = re.compile(r"(?:except|but|apart from|other than|without|excluding)\b.+$")
 FROM_RIGHT = re.compile(r"\bfrom (?:the )?right to (?:the )?left\b")
 GRIP_OF = re.compile(r"^(?:the |its |a )?(?:handle|rim|body|stem|neck|edge|shaft) of (?:the )?")
@@ -117,7 +121,7 @@ def _sort(rest: list[str]) -> list[Goal] | AskBack | str:
     measure = read_measure((by["how"] if by else line).split())
     if measure is None and by:
         return "I can sort by fragility, by size or by weight, and by nothing else."
-    what = line[: by.start()].split() if by else []
+    what = line[: by.start()].split() if by else FIRST.sub("", line.split(" , ")[0]).split()
     spared = SPARED.search(by["how"]) if by else None
     if spared:
         what = [*(what or ["everything"]), *spared[0].split()]
@@ -166,6 +170,8 @@ def _pick(rest: list[str]) -> list[Goal] | str:
     if rest and rest[0] == "up":
         rest = rest[1:]
     thing, placement = read_place(_without_grip(rest))
+    if placement is not None and placement.kind == "side" and CARRIED_TO.search(" ".join(rest)):
+        return _each(thing, "place", placement)  # "take the bottle to the right side"
     if placement is not None and thing and placement.kind in ("bin", "hand_over"):
         kind = "pick" if placement.kind == "hand_over" else "place"
         return _each(thing, kind, placement)

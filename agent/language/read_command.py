@@ -18,14 +18,14 @@ from agent.language.read_clause import CANNOT_READ, AskBack, read_clause, read_m
 from agent.language.read_place import read_place
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
-from agent.language.refusals import refuse
+from agent.language.refusals import CODE, refuse
 from agent.language.rephrase import rephrased
 from agent.language.stop import says_stop
 from agent.language.words import words
 
 OR = re.compile(r"\bor\b")
 VAGUE = re.compile(
-    r"\b(?:half|most|many|some|several|a few|few|part|a part|a couple|a third|a quarter|a lot|lots|a bunch) of (?:the|my|these|those|them|all)\b|"
+    r"\b(?:put|place|move|take) something (?:somewhere|anywhere|else)\b|\b(?:half|most|many|some|several|a few|few|part|a part|a couple|a third|a quarter|a lot|lots|a bunch) of (?:the|my|these|those|them|all)\b|"
     r"\b(?:half|several|a few|some|a couple|many|most|a bunch of|a lot of|lots of) (?:the )?(?:[a-z]+ )?(?:cups|mugs|bottles|blocks|cubes|boxes|apples|bananas|glasses|vases|bowls|"
     r"pens|keys|phones|balls|things|objects|items|toys|tools|fruits|ones)\b"
 )
@@ -50,6 +50,8 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
     """
     said = trim(words(text))
     if not said:
+        return Understanding(refusal=CANNOT_READ)
+    if CODE.search(text) and not says_stop(" ".join(said)):
         return Understanding(refusal=CANNOT_READ)
     if says_stop(" ".join(said)):
         return Understanding(goals=(Goal(kind="answer", query="stop"),))

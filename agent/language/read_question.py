@@ -11,7 +11,7 @@ from agent.language.stop import says_stop
 from agent.language.words import words
 
 WHERE = re.compile(
-    r"^(?:(?:can|could|would|do|will) you (?:please )?)?(?:and |so |but |hey )*(?:tell me |show me |know |i wonder |any idea |do you know |i want to know |i need to know |find out )*(?:where(?: exactly| precisely| the hell| on earth| on the table| now)? (?:is|are|was|has|did(?= (?:the|my|that|it|this|your|a)\b)|do you have|do you see|can i see|have you seen|did you (?:see|put|leave))|find|locate|"
+    r"^(?:(?:can|could|would|do|will) you (?:please )?)?(?:and |so |but |hey )*(?:tell me |show me |know |i wonder |any idea |do you know |i want to know |i need to know |find out )*(?:where(?: exactly| precisely| the hell| on earth| on the table| now)? (?:is|are|was|has|did (?:i|we|you) (?:leave|put|place|lose|drop|set|lay|see|find)|did(?= (?:the|my|that|it|this|your|a)\b)|do you have|do you see|can i see|have you seen|did you (?:see|put|leave))|find|locate|"
     r"(?:in|on|at) which (?:place|corner|spot|part|area|position|side|end)(?: of the table)? (?:is|are|do you see)|do you (?:happen to )?see|can you see|do you have|do we have|is there|are there|can you (?:find|spot|locate|detect|recogni[sz]e)|(?:do you (?:happen to )?know|any idea|do you have any idea|i wonder|tell me|show me|find out) where|i (?:can not|could not) (?:find|see)|i (?:have )?lost|"
     r"what is the (?:exact |current )?(?:position|location|place|whereabouts) of|on (?:which|what) side is|at (?:which|what) (?:place|position) is|where on the table is|where about is|where about are|have you (?:seen|got|found)|where can i find|point (?:at|to)|"
     r"show me|look for|search for|which (?:one )?is|what is the position of|what is the location of|spot)\s+(.+?)"
@@ -32,6 +32,9 @@ PROPERTIES = re.compile(
     r"is|are|describe|tell me about|what do you know about|what can you tell me about|what is|what are)\s+(?P<what>.+?)"
     r"(?: (?:made (?:of|from|out of)|weigh|have|look like|like|fragile|heavy|light|big|small|empty|full|filled|breakable|red|blue|"
     r"green|yellow|white|black|tall|delicate|made|stacked|there|unknown))*$"
+)
+WHICH_NEAR = re.compile(
+    r"^which (?:of the )?(?P<noun>[a-z]+(?: [a-z]+)?) (?:is|are|stands?|lies?|sits?) (?:the )?(?P<how>(?:standing |lying )?(?:closest to|nearest to|nearest|next to|beside|near|behind|in front of|left of|right of|to the left of|to the right of|on|in|under|between) .+)$"
 )
 WHICH = re.compile(
     r"^(?:which|what) (?P<noun>.+?) (?:is|are|looks|weighs|has|stands|lies) (?:the )?(?P<adjective>[a-z ]+)$"
@@ -82,6 +85,16 @@ def read_question(text: str) -> Goal | str | None:
     found = UNDO.match(text)
     if found:
         return _undo(found)
+    found = WHICH_NEAR.match(text)
+    if found:
+        reading = read_reference(["the", *found["noun"].split(), *found["how"].split()])
+        if (
+            is_reference(reading)
+            and reading.found.get("relation")
+            and not reading.unknown
+            and not reading.contradiction
+        ):
+            return Goal(kind="look", query="where", reference=Reference(**reading.found))
     found = WHICH.match(text)
     if found:
         reading = read_reference(["the", *found["adjective"].split(), *found["noun"].split()])
@@ -134,6 +147,7 @@ def _about(found: re.Match[str], query: Query) -> Goal | None:
                 kind="look", query="near", reference=Reference(words=what, noun="thing", relation=between, plural=True)
             )
         )
+    what = re.sub(r" made (?:of|from) .*$", "", what) if query == "properties" else what
     reading = read_reference(what.split())
     if reading.unknown or reading.contradiction or not is_reference(reading):
         return None

@@ -37,8 +37,16 @@ THROWN = re.compile(
 BOTH_SIDES = re.compile(
     r"\b(?:to|on|at) (?:the )?(left|right|front|back) (?:side )?and (?:also )?(?:(?:to|on|at) )?(?:the )?(?!\1)(?:left|right|front|back)(?: side)?(?: of\b|$)"
 )
+CODE = re.compile(
+    r"[a-zA-Z_]\w*\((?!s\))|\)\s*;|=>|==|:=|[{}]|</?[a-zA-Z]|\$\(|&&|\|\||\bimport \w+\b|\b(?:select|delete|drop|insert) .*\b(?:from|table|into)\b (?!the\b)\w+ ?;|\bsudo\b|\brm -"
+)
+"""Program text in what was typed: a command to a computer, not to this robot."""
+CONDITION = re.compile(
+    r"(?:^|[,.;] |\bbut |\bonly )(?:if|unless|in case|as long as|whenever|until|when i|once i|after i|as soon as i) (?!you\b|possible|need|it is (?:possible|not too|ok|okay|fine|all right)|that is (?:ok|okay|fine|possible))"
+    r"|\b(?:if|unless|whenever|until) (?:the|it|there|my|they|that|any|nobody|someone|i)\b(?! (?:is (?:possible|ok|okay|fine))\b)|\btomorrow\b|\btonight\b|\bin (?:\d+|a few|five|ten|an?) (?:minutes?|hours?|seconds?)\b"
+)
 OFF_TABLE = re.compile(
-    r"\b(?:on|onto|off|to|over|from) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa)\b"
+    r"\b(?:on|onto|off|to|over|from|in|into|under) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa|cupboard|drawer|cabinet|sink|oven|rack|stove|bed|couch|bookshelf|street|room)\b"
 )
 
 
@@ -63,6 +71,8 @@ def refuse(line: str) -> str | None:
         )
     if NOT_THINGS.search(line):
         return "I can only move loose things that stand on the table."
+    if CONDITION.search(line):
+        return "I cannot wait for a condition or a time: ask me whether it is so, and then tell me what to do."
     if BOTH_SIDES.search(line):
         return "That contradicts itself: a thing cannot be on both sides at once."
     if THROWN.match(line):

@@ -59,7 +59,10 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
          r"\g<v>\g<r> \g<t>"),
         (rf"^do not (?P<v>(?:{_VERB}))(?: me)? (?:the|that|my|a) [a-z ]+? but (?:rather |instead |take )*(?P<t>(?:the|that|my|a) [a-z ]+)$", r"\g<v> \g<t>"),
         (rf"^(?:instead of|rather than) [a-z ]+?(?: ,)? (?=(?:{_VERB}) (?:the|a|an|my|that)\b)", ""),
+        (r"^not (?:the|that|this|my) [a-z ]+? but (?:rather )?(?P<t>(?:the|that|this|my) )", r"\g<t>"),
         # clearing
+        (r"^i (?:want|need|would like)(?: to have)? (?P<t>(?:everything|all|the|that|this|these|those|my)\b[^,.;]*?)(?: to be)? (?:gone|removed|cleared(?: away)?|thrown away|thrown out|out of here|off the table|away|out of my sight)(?P<r> (?:except|but|apart from|other than) .*)?$",
+         r"get rid of \g<t>\g<r>"),
         (r"^(?:i (?:want|need|would like)|make|get|leave|have)(?: to see)? (?:the|this|my) (?:table|desk|workspace)(?: to be)? (?:completely |totally |all )?"
          r"(?:empty|clear|cleared|clean|tidy|free)\b", "clear the table"),
         (r"\b(?:all|everything|anything)(?: that| which| of what| of that)? (?:is|lies|stands|you (?:can )?see|there is)(?: lying| standing| left)?(?: on (?:the|this|my) (?:table|desk)| there| here)?(?= |$)",
