@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from langgraph.runtime import Runtime
 from langgraph.types import interrupt
 
 from agent import events, phrases
 from agent.agenda import finish
 from agent.approval import Decision, apply_decision, proposal
+from agent.ask_brain import ask_reflection
 from agent.attempt import Attempt, Held, Moved
 from agent.chat.steer import steered
 from agent.compare_looks import compare_looks
 from agent.context import AgentContext
 from agent.episode import history, with_success
 from agent.ladder import budget, irreversible, level_of
-from agent.nodes import look, situation
+from agent.nodes import look
 from agent.placing import place_args, put_back_args
-from agent.safety.consult import Consultation
-from agent.safety.gate import judged_reflection
 from agent.state import State, Update, merged
 from agent.traced_tools import classify_failure, correct_grasp, execute_grasp, place_object
 from kb.sensing import Correction, Evidence
@@ -180,15 +177,8 @@ def reflect(state: State, runtime: Run) -> Update:
         with context.timed("brain", times):
             offered = correct_grasp(args, context.tool("correct", last.number))
             allowed = allowed_corrections(args, offered, context) if context.guarded else (offered,)
-    facts = replace(situation(state, context), allowed=allowed)
     with context.timed("brain", times):
-        decided = Consultation(
-            "reflect",
-            state,
-            context,
-            facts,
-            lambda brain, facts: judged_reflection(brain.reflect(facts, offered), facts),
-        ).decide()
+        decided = ask_reflection(state, context, offered, allowed)
     reflected = decided.value
     if reflected.correction is not None:
         level = reflected.correction.level

@@ -6,40 +6,30 @@ goes next is `agent.routing`'s business. No node sees the observer.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from langchain_core.messages import AIMessage, HumanMessage
 from langgraph.runtime import Runtime
 
 from agent import agenda, events, phrases
 from agent.agenda import finish, push
-from agent.brain import Brain, Deliberation, Situation, Spoken
+from agent.ask_brain import ask_names, ask_thought, ask_understanding, ask_words, situation, wants_words
 from agent.context import AgentContext
 from agent.episode import recalled
 from agent.goal import Understanding
 from agent.ground import ground_goals
 from agent.known_things import found_again, without_held
-from agent.safety.consult import Consultation
-from agent.safety.gate import judged_answer, judged_names, judged_thought, judged_understanding
 from agent.state import State, Update, merged
 from agent.traced_tools import (
     build_scene_graph,
-    choose_grasp,
     infer_constraints,
-    name_objects,
     perceive,
     plan_grasp,
     retrieve_haarag,
 )
 from kb.constraint import Constraints
-from kb.percept import Percept
 from kb.run_result import ModelUse
-from kb.sensing import Plan
 from memory import EpisodicMemory
 from tools.build_scene_graph import SceneGraphArgs
-from tools.choose_grasp import Choice, ChooseArgs
 from tools.infer_constraints import ConstraintArgs
-from tools.name_objects import NameArgs
 from tools.perceive import PerceiveArgs
 from tools.plan_grasp import PlanArgs
 from tools.planning.remembered import RememberedGrasp
@@ -51,32 +41,6 @@ KEPT_MOTIONS = 4
 """Motions of earlier turns that the observer still knows: its record is part of every checkpoint."""
 
 
-def situation(state: State, context: AgentContext) -> Situation:
-    """The facts that a brain may use."""
-    return Situation(
-        instruction=state.instruction,
-        goals=state.goals,
-        goal=state.goal if state.agenda else None,
-        percept=state.percept,
-        graph=state.graph,
-        retrieval=state.experiences,
-        constraints=state.constraints,
-        plan=state.plan,
-        level=state.level,
-        correction=state.correction,
-        pending=state.pending,
-        attempts=state.attempts,
-        tries=state.tries(),
-        turn=state.turn,
-        held=state.held,
-        last_target=state.last_target,
-        plan_reason=state.plan_reason,
-        dry_run=context.dry_run,
-        stopped=context.stopped,
-        views=context.views,
-    )
-
-
 def understand(state: State, runtime: Run) -> Update:
     """Instruction -> typed goals."""
     context, times = runtime.context, dict[str, float]()
@@ -84,7 +48,7 @@ def understand(state: State, runtime: Run) -> Update:
     context.world.opened.forget(KEPT_MOTIONS)
     given, use = state.call.goals if state.call is not None else (), ModelUse()
     with context.timed("brain", times):
-        got, use = (Understanding(goals=given), use) if given else understood(state, context)
+        got, use = (Understanding(goals=given), use) if given else ask_understanding(state, context)
     context.emit(events.Understood(text=phrases.understood(got), goals=got.goals))
     return merged(
         Update(
@@ -113,17 +77,6 @@ def understand(state: State, runtime: Run) -> Update:
     )
 
 
-def understood(state: State, context: AgentContext) -> tuple[Understanding, ModelUse]:
-    """The brain's reading of the instruction, if it counts, and the model's part in it."""
-
-    def ask(brain: Brain, facts: Situation) -> Understanding:
-        got = brain.understand(facts)
-        return got if brain is context.rules else judged_understanding(got, facts)
-
-    decided = Consultation("understand", state, context, situation(state, context), ask).decide()
-    return decided.value, decided.use
-
-
 def look(state: State, runtime: Run) -> Update:
     """Stage 1: the cameras' pictures -> objects on the table."""
     context, times = runtime.context, dict[str, float]()
@@ -134,22 +87,9 @@ def look(state: State, runtime: Run) -> Update:
     pictures, use = context.pictures(), ModelUse()
     percept = found_again(without_held(percept, state.held), state.percept, state.moved)
     if context.names_objects and percept.objects:
-        percept, use = named(percept, state, context, times)
+        percept, use = ask_names(percept, state, context, times)
     context.emit(events.Look(text=phrases.seen(percept), goal=state.current, percept=percept, pictures=pictures))
     return Update(percept=percept, stale=False, looks=state.looks + 1, pictures=pictures, times=times, use=use)
-
-
-def named(percept: Percept, state: State, context: AgentContext, times: dict[str, float]) -> tuple[Percept, ModelUse]:
-    """The percept with the names that the brain gives and measuring allows, and the model's part in it."""
-    facts = replace(situation(state, context), percept=percept)
-    with context.timed("perception", times):
-        decided = Consultation(
-            "perceive", state, context, facts, lambda brain, facts: judged_names(brain.perceive(facts), facts)
-        ).decide()
-        joined = name_objects(NameArgs(percept=percept, seen=decided.value), context.tools)
-    text = phrases.named(len(decided.value.objects), joined.dropped)
-    context.emit(events.Named(text=text, goal=state.current, seen=decided.value, dropped=joined.dropped))
-    return joined.percept, decided.use.plus(ModelUse(contradictions=len(joined.dropped)))
 
 
 def ground(state: State, runtime: Run) -> Update:
@@ -257,14 +197,8 @@ def think(state: State, runtime: Run) -> Update:
     context, times = runtime.context, dict[str, float]()
     number = len(state.tries())
 
-    def choose(args: ChooseArgs) -> Choice:
-        return choose_grasp(args, context.tool("choose", len(state.attempts)))
-
-    def ask(brain: Brain, facts: Situation) -> tuple[Deliberation, Plan | None]:
-        return judged_thought(brain.think(facts), facts, choose, state.relooks)
-
     with context.timed("brain", times):
-        decided = Consultation("think", state, context, situation(state, context), ask).decide()
+        decided = ask_thought(state, context)
     thought, plan = decided.value
     context.emit(events.Thought(text=thought.text, goal=state.current, level=state.level, attempt=number))
     if plan is not None:
@@ -315,36 +249,10 @@ def answer(state: State, runtime: Run) -> Update:
         with context.timed("brain", times):
             spoken, use = context.rules.answer(facts), ModelUse()
             if context.guarded and wants_words(state):
-                spoken, use = retold(spoken, state, context, facts)
+                spoken, use = ask_words(spoken, state, context, facts)
         text, question = spoken.text, spoken.question or question
     text += phrases.fallbacks(state.use.plus(use))
     context.emit(events.Question(text=text) if question else events.Answer(text=text))
     return Update(
         answer=text, question=question, messages=[AIMessage(text, id=f"turn-{state.turn}-agent")], times=times, use=use
     )
-
-
-WORDED = ("see", "where", "near", "why", "why_failed", "properties", "count", "held", "what_if")
-"""Questions that a model may answer in its own words, from the facts that the rules would state."""
-
-
-def wants_words(state: State) -> bool:
-    """Whether there is something to explain: a question, or a failure. A plain success is told as it is recorded."""
-    if not state.goals:
-        return False
-    if state.goals[0].query is not None:
-        return state.goals[0].query in WORDED
-    return any(goal.status == "failed" for goal in state.goals if goal.parent is None)
-
-
-def retold(spoken: Spoken, state: State, context: AgentContext, facts: Situation) -> tuple[Spoken, ModelUse]:
-    """The recorded facts in the model's words; after a failure the recorded sentence stands in front of them."""
-    facts = replace(facts, facts=spoken.text)
-
-    def ask(brain: Brain, facts: Situation) -> Spoken:
-        return spoken if brain is context.rules else judged_answer(brain.answer(facts), facts)
-
-    decided = Consultation("answer", state, context, facts, ask).decide()
-    if decided.by_rules or state.goals[0].query is not None:
-        return decided.value, decided.use
-    return spoken.model_copy(update={"text": f"{spoken.text} {decided.value.text}"}), decided.use
