@@ -43,6 +43,9 @@ def local_width(
         opening: Distance between the pads [m].
     """
     low, high = np.inf, -np.inf
+    geoms = _near(model, data, geoms, np.asarray(position, float), opening)
+    if not geoms:
+        return 0.0
     axis = np.ascontiguousarray(rotation[:, 1])
     for across in PAD_HALF:
         for along in PAD_HALF:
@@ -51,6 +54,16 @@ def local_width(
                 if start < opening / 2 and end > -opening / 2:
                     low, high = min(low, start), max(high, end)
     return float(max(0.0, high - low)) if high > low else 0.0
+
+
+def _near(
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int], position: Array, opening: float
+) -> list[int]:
+    """Those geoms whose bounding sphere comes between the pads; the others cannot lie there."""
+    reach = np.hypot(opening / 2, np.hypot(PAD_HALF[-1], PAD_HALF[-1])) + 1e-6
+    radii = model.geom_rbound[list(geoms)]
+    away = np.linalg.norm(data.geom_xpos[list(geoms)] - position, axis=1)
+    return [geom for geom, keep in zip(geoms, (radii <= 0.0) | (away <= radii + reach), strict=True) if keep]
 
 
 def _pieces(

@@ -100,6 +100,22 @@ def solve_reaches(
     Where the arm cannot lift as high as wanted, `LEAST_LIFT` is enough.
     """
     start = READY if start is None else np.asarray(start, float)
+    # Whatever else a grasp says, only these decide; planning, its alternatives and the robot ask for the same ways again.
+    key = (grasp.position, grasp.approach, grasp.yaw, grasp.standoff, start.tobytes(), lift, options)
+    known = _known.get(key)
+    if known is None:
+        while len(_known) >= KEPT:
+            _known.pop(next(iter(_known)), None)
+        known = _known[key] = _solve(grasp, start, lift, options)
+    return known
+
+
+KEPT = 256
+"""Answers that are kept."""
+_known: dict[tuple[object, ...], tuple[Reach, ...] | Unreachable] = {}
+
+
+def _solve(grasp: Grasp, start: Array, lift: float, options: int) -> tuple[Reach, ...] | Unreachable:
     poses = (grasp_pose(grasp), flipped(grasp_pose(grasp)))
     ranked = list(_ranked(poses, start))
     if not ranked:
@@ -122,7 +138,8 @@ def _exists(pose: Array, height: float, start: Array) -> bool:
     """Whether the tool pose `height` [m] above `pose` can be reached at all: rules out most hopeless searches."""
     raised = pose.copy()
     raised[2, 3] += height
-    return len(inverse_many(raised, Q7_SAMPLES, start)) > 0
+    # The last joint's middle range reaches most poses.
+    return any(len(inverse_many(raised, Q7_SAMPLES[part], start)) for part in (slice(8, 15), slice(8), slice(15, None)))
 
 
 def _search(

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 POINTS_PER_OBJECT = 1500
 """Surface samples per object before hidden ones are dropped; `pack_surface` keeps at most 600."""
 
+NOWHERE = 1e9
+"""Depth of a cell that shows nothing [m]."""
 ON_PIXEL = 0.012
 """A pixel belongs to an object if its point is nearer than this to a surface sample [m] (noise plus sample spacing)."""
 
@@ -260,21 +262,20 @@ def project(points: Array, view: RgbdView) -> tuple[NDArray[np.intp], NDArray[np
 
 def _visible_fraction(surface: Array, others: Array, view: RgbdView, cell: int = 6) -> float:
     """Share of the object's silhouette, in cells of `cell` pixels, that no other object hides."""
-    u, v, z, ok = project(surface, view)
-    u, v, z = u[ok] // cell, v[ok] // cell, z[ok]
-    mine: dict[tuple[int, int], float] = {}
-    for key, depth in zip(zip(u.tolist(), v.tolist(), strict=True), z.tolist(), strict=True):
-        mine[key] = min(depth, mine.get(key, 1e9))
-    if not mine:
+    height, width = view.depth.shape
+    columns = width // cell + 1
+    nearest: list[Array] = []
+    for cloud in (surface, others):
+        u, v, z, ok = project(cloud, view)
+        depth = np.full((height // cell + 1) * columns, NOWHERE)
+        np.minimum.at(depth, v[ok] // cell * columns + u[ok] // cell, z[ok])
+        nearest.append(depth)
+    mine, theirs = nearest
+    seen = mine < NOWHERE
+    if not seen.any():
         return 0.0
-    hidden: set[tuple[int, int]] = set()
-    ou, ov, oz, ok = project(others, view)
-    for key, depth in zip(
-        zip((ou[ok] // cell).tolist(), (ov[ok] // cell).tolist(), strict=True), oz[ok].tolist(), strict=True
-    ):
-        if key in mine and depth < mine[key] - 0.005:
-            hidden.add(key)
-    return 1.0 - len(hidden) / len(mine)
+    hidden = seen & (theirs < mine - 0.005)
+    return 1.0 - int(hidden.sum()) / int(seen.sum())
 
 
 def _mask(surface: Array, view: RgbdView) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,12 +63,12 @@ class Candidate:
     merit: float = 0.0
     """Geometric preference among candidates of the same kind, in [-1, 0]: 0 is the textbook grasp."""
 
-    @property
+    @cached_property
     def tilt(self) -> float:
         """Angle between the approach and straight down [rad]."""
         return math.acos(max(-1.0, min(1.0, -self.approach[2])))
 
-    @property
+    @cached_property
     def approach_class(self) -> ApproachClass:
         """Top, tilted or side."""
         return approach_class(self.tilt)

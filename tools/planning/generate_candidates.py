@@ -13,12 +13,28 @@ LYING = 0.5
 """A handle whose axis rises less than this (sine) lies on the table: the handle of a tool, not a loop."""
 
 
+KEPT = 32
+"""Objects whose candidates are kept: the configurations of a trial plan on the very same percepts."""
+_known: dict[int, tuple[PerceivedObject, tuple[Candidate, ...]]] = {}
+"""Identity of a perceived object -> the object itself, which keeps its identity its own, and its candidates."""
+
+
 def generate_candidates(subject: PerceivedObject) -> list[Candidate]:
     """Candidates on the perceived geometry alone; neither neighbours nor the arm's reach are considered here.
 
     Returns:
         Candidates with unique names, in a fixed order.
     """
+    known = _known.get(id(subject))
+    if known is None or known[0] is not subject:
+        known = subject, tuple(_generate(subject))
+        while len(_known) >= KEPT:
+            _known.pop(next(iter(_known)), None)
+        _known[id(subject)] = known
+    return list(known[1])
+
+
+def _generate(subject: PerceivedObject) -> list[Candidate]:
     found: list[Candidate] = []
     rim, handle = subject.part("rim"), subject.part("handle")
     stem, neck = subject.part("stem"), subject.part("neck")

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from tools.scene_relations.solid import Piece, Solid
-from tools.scene_relations.surface_gap import piece_gap
+from tools.scene_relations.surface_gap import meet
 
 PALM_HALF_ALONG, PALM_HALF_ACROSS = 0.102, 0.0315
 """Half extents of the Panda hand along and across its closing axis [m] (physics.md)."""
@@ -50,7 +50,7 @@ def blocked_share(obstacle: Solid, target: Solid, centre: tuple[float, float]) -
     if target.high - target.low >= SIDE_HEIGHT:
         bearing = math.atan2(centre[1], centre[0])
         ways += [_from_the_side(target, centre, bearing + heading) for heading in HEADINGS]
-    blocked = [any(piece_gap(box, p) == 0.0 for box in way for p in obstacle.pieces) for way in ways]
+    blocked = [any(meet(box, p) for box in way for p in obstacle.pieces) for way in ways]
     return sum(blocked) / len(blocked)
 
 

@@ -11,6 +11,8 @@ from tools.scene_relations.solid import Piece, Solid, largest
 
 Array = NDArray[np.float64]
 
+NEARLY = 1e-9
+"""Gaps nearer to 0 than this are not told by shortcuts [m]."""
 GRID = 9
 """Footprint samples per side for overlap shares: a share's resolution is about 1 / 81."""
 
@@ -25,6 +27,40 @@ def piece_gap(one: Piece, other: Piece) -> float:
     flat = max(0.0, rectangle_gap(one, other) - one.radius - other.radius)
     tall = max(0.0, one.low - other.high, other.low - one.high)
     return max(0.0, math.hypot(flat, tall) - one.ball - other.ball)
+
+
+def meet(one: Piece, other: Piece) -> bool:
+    """Whether two pieces touch or overlap: `piece_gap` is 0.
+
+    Clear cases are told by cheaper means; what is within `NEARLY` of touching is left to `piece_gap`.
+    """
+    room = one.reach() + other.reach()
+    if max(one.low - other.high, other.low - one.high) > one.ball + other.ball + NEARLY:
+        return False
+    x, y = other.centre[0] - one.centre[0], other.centre[1] - one.centre[1]
+    if math.hypot(x, y) > math.hypot(*one.half) + math.hypot(*other.half) + room + NEARLY:
+        return False
+    if one.ball == other.ball == 0.0:
+        gap = _separation(x, y, one, other)
+        # Of the rounded corners of two rectangles only a separation along a side is certain.
+        if gap > room + NEARLY:
+            return False
+        if gap < -NEARLY and max(one.low - other.high, other.low - one.high) < -NEARLY:
+            return True
+    return piece_gap(one, other) == 0.0
+
+
+def _separation(x: float, y: float, one: Piece, other: Piece) -> float:
+    """Largest gap of two rectangles, whose centres are (x, y) apart, along one of their four sides; negative: overlap."""
+    turn = other.yaw - one.yaw
+    cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
+    worst = -math.inf
+    for first, second in ((one, other), (other, one)):
+        c, s = math.cos(first.yaw), math.sin(first.yaw)
+        (a, b), (p, q) = first.half, second.half
+        along, across = abs(c * x + s * y) - a - p * cosine - q * sine, abs(c * y - s * x) - b - p * sine - q * cosine
+        worst = max(worst, along, across)
+    return worst
 
 
 def rectangle_gap(one: Piece, other: Piece) -> float:
