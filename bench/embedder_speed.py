@@ -33,6 +33,12 @@ def measure(embedder: Embedder, views: Sequence[ReferenceView]) -> tuple[float, 
     return 1000.0 * alone / len(views), 1000.0 * together / len(views)
 
 
+def say(line: str) -> None:
+    """One line on standard output, at once."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of `python -m bench.embedder_speed`."""
     parser = argparse.ArgumentParser(prog="python -m bench.embedder_speed")
@@ -42,13 +48,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     path = ExperienceStore.open().path
     assert path is not None  # the shipped one is a file
     views = list(load_views(views_path(path)).values())[: given.pictures]
-    print("| embedder | numbers | load s | ms a picture | ms a picture in batches |\n|---|---:|---:|---:|---:|")
+    say("| embedder | numbers | load s | ms a picture | ms a picture in batches |\n|---|---:|---:|---:|---:|")
     for word in given.embedders.split(","):
         began = time.process_time()
         embedder = open_embedder(word)
         load = time.process_time() - began
         alone, together = measure(embedder, views)
-        print(f"| {embedder.name} | {embedder.dim} | {load:.1f} | {alone:.1f} | {together:.1f} |", flush=True)
+        say(f"| {embedder.name} | {embedder.dim} | {load:.1f} | {alone:.1f} | {together:.1f} |")
     return 0
 
 

@@ -122,6 +122,12 @@ def measure(size: int, count: int = 200, *, memory: bool = True) -> dict[str, An
     return row
 
 
+def say(line: str) -> None:
+    """One line on standard output, at once."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of `python -m bench.kb_scale`."""
     parser = argparse.ArgumentParser(prog="python -m bench.kb_scale", description=(__doc__ or "").splitlines()[0])
@@ -137,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(
         "| entries | p50 ms | p99 ms | recall@3 | p50 ms, all admitted | p99 ms | recall@3 | entries MB | columns MB |"
     )
-    print("|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
+    say("|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
     for row in rows:
         cells = [f"{row['entries']}"]
         for name in ("known", "fallback"):
@@ -146,7 +152,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 f"{row[f'{name}_p99_ms']:.2f}",
                 f"{row[f'{name}_recall_at_3']:.4f}",
             ]
-        print("| " + " | ".join([*cells, f"{row['entries_mb']:.0f}", f"{row['table_mb']:.0f}"]) + " |")
+        say("| " + " | ".join([*cells, f"{row['entries_mb']:.0f}", f"{row['table_mb']:.0f}"]) + " |")
     if given.out is not None:
         given.out.write_text(json.dumps(rows, indent=2) + "\n")
     return 0

@@ -164,6 +164,12 @@ def instruction(model: str) -> str:
     return f"pick up the {MODELS[model].category.replace('_', ' ')}"
 
 
+def say(line: str) -> None:
+    """One line on standard output, at once."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point of `python -m bench.learn_study`."""
     from bench.learn_report import write_report
@@ -190,7 +196,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             learner, shipped = [future.result() for future in [pool.submit(run_arm, *arm) for arm in arms]]
     else:
         learner, shipped = [run_arm(*arm) for arm in arms]
-    print(write_report(asked, learner, shipped, given.out))
+    say(write_report(asked, learner, shipped, given.out))
     return 0
 
 
