@@ -140,9 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ValueError as error:
         raise BadInputError(str(error), where="--sizes", choices=("whole numbers with commas",)) from error
     rows = [measure(size, given.queries) for size in sizes]
-    print(
-        "| entries | p50 ms | p99 ms | recall@3 | p50 ms, all admitted | p99 ms | recall@3 | entries MB | columns MB |"
-    )
+    say("| entries | p50 ms | p99 ms | recall@3 | p50 ms, all admitted | p99 ms | recall@3 | entries MB | columns MB |")
     say("|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
     for row in rows:
         cells = [f"{row['entries']}"]
