@@ -2,7 +2,7 @@
 
 Written into the session's folder as `spans.jsonl`. The attribute names are those of OpenInference's semantic conventions
 (`openinference.span.kind`, `input.value`, `output.value`, `llm.model_name`, ...). Values are cut off, so that the file
-stays small; of the world's snapshots nothing is in it.
+stays small; of the world's snapshots nothing is in it. With `RAGVLM_OTLP` set they go to a collector, too.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from typing import Any
 from uuid import UUID
 
 from langchain_core.callbacks import BaseCallbackHandler
+
+from agent.chat import otlp
 
 LONGEST = 2_000
 """Characters of an input or output that a span keeps."""
@@ -33,6 +35,8 @@ class Spans(BaseCallbackHandler):
         self._open: dict[UUID, dict[str, Any]] = {}
         self._traces: dict[UUID, str] = {}
         self._lock = threading.Lock()
+        self._collector = otlp.address()
+        self._ended: list[dict[str, Any]] = []
 
     # Nodes of the graph; a run without a parent is the turn --------------------------------------------------------
 
@@ -142,6 +146,11 @@ class Spans(BaseCallbackHandler):
                 **(attributes or {}),
             }
             self._write(span)
+            if self._collector is not None:
+                self._ended.append(span)
+                if span["parent_id"] is None:  # the turn is over
+                    otlp.send(self._ended, self._collector)
+                    self._ended = []
 
     def _write(self, span: dict[str, Any]) -> None:
         try:
