@@ -11,7 +11,7 @@ FILLERS = (
     "my friend", "dear", "there", "quick", "try to", "go ahead and", "i said", "with your gripper", "with the gripper",
     "with care", "sir", "mate", "pal", "man", "dude", "bro", "folks", "ta", "thx", "asap", "for a bit", "for now", "if you would", "if you will",
     "if that is ok", "if that is okay", "if it is not too much trouble", "when you can", "when you have time", "when you are ready", "straight away", "right away", "at last",
-    "with caution", "delicately", "cautiously", "nicely", "tenderly", "in a moment", "once more", "one more time", "any time", "anytime", "good robot", "my dear", "love", "yeah", "yes", "yep", "sure", "great", "good", "fine", "perfect", "excellent", "cool", "alrighty", "anyway", "actually", "basically", "hmm", "hm", "ah", "er", "erm", "uhm", "good morning", "good evening", "good afternoon", "greetings", "howdy", "yo", "excuse me", "sorry", "hello there", "hey there", "hi there", "ok robot", "dear robot", "afterwards", "for us", "somewhere safe", "over there", "right there",
+    "with caution", "delicately", "cautiously", "nicely", "tenderly", "in a moment", "once more", "one more time", "any time", "anytime", "good robot", "my dear", "love", "yeah", "yes", "yep", "sure", "great", "good", "fine", "perfect", "excellent", "cool", "alrighty", "anyway", "actually", "basically", "hmm", "hm", "ah", "er", "erm", "uhm", "good morning", "good evening", "good afternoon", "greetings", "howdy", "yo", "excuse me", "sorry", "hello there", "hey there", "hi there", "ok robot", "dear robot", "afterwards", "for us", "over there", "right there",
 )  # fmt: skip
 """Words and phrases that change nothing; taken away at the ends of a clause."""
 

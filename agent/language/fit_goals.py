@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from agent.goal import Goal, Reference, Understanding
 from agent.language import lexicon
-from agent.language.read_clause import CANNOT_READ
+from agent.language.ask_back import CANNOT_READ
 
 THEM = ("them", "these", "those", "them all", "all of them")
 

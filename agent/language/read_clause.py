@@ -3,39 +3,25 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
-from agent.goal import Goal, Measure, Placement, Reference
+from agent.goal import Goal, Placement, Reference
 from agent.language import lexicon
+from agent.language.ask_back import CANNOT_READ, AskBack
 from agent.language.clauses import HAND_ME, drop_first, find_verb
 from agent.language.cut_phrase import TABLE
 from agent.language.read_clearing import read_clearing
 from agent.language.read_place import read_place
 from agent.language.read_reference import is_reference, read_reference
-from agent.language.words import edits, mend, vocabulary
+from agent.language.read_sort import read_sort
 
-CANNOT_READ = (
-    "I did not understand that. I can pick things up, put them somewhere, clear the table, sort things, and answer "
-    'questions about what I see and why I did what I did. Say "help" for examples.'
-)
 LET_GO = re.compile(r"^(?:let go|open (?:your|the) (?:hand|gripper|fingers)|release|drop|let it go|free your hand)$")
 HAND_TO_ME = re.compile(
     r"^(?:hand|give|pass|bring|offer|deliver|hand over|pass over|take|get)\s+(?P<what>.+?)\s+(?<!nearest )(?<!closest )(?<!farthest )(?<!furthest )(?<!next )(?<!close )"
     r"(?:over )?(?:to|for) me(?: please)?$"
 )
-SORTED_BY = re.compile(
-    r"\b(?:by|according to|based on|after|in order of|in terms of|with respect to|how|from|on)\s+(?P<how>.+)$"
-)
-DESCENDING = re.compile(
-    r"\b(?:descending|decreasing|(?:most|biggest|largest|heaviest|tallest|most fragile) (?:one |ones |fragile |things |objects )?"
-    r"first|from (?:the )?(?:most|big|biggest|large|largest|heavy|heaviest|tall|tallest|high|fragile)\b|reverse)"
-)
 CARRIED_TO = re.compile(
     r" (?:over )?to the (?:left|right|front|back|rear|middle|cent(?:er|re))(?: side| end| edge| of the table)?$"
 )
-FIRST = re.compile(r" ?(?:the )?(?:most |least )?[a-z]+ (?:ones |things |objects )?(?:first|last)$")
-SPARED = re.compile(r"(?:except|but|apart from|other than|without|excluding)\b.+$")
-FROM_RIGHT = re.compile(r"\bfrom (?:the )?right to (?:the )?left\b")
 GRIP_OF = re.compile(r"^(?:the |its |a )?(?:handle|rim|body|stem|neck|edge|shaft) of (?:the )?")
 GRIP = re.compile(
     r" (?:by|at|on|from|with|using) (?:the |its |a |one |an )?(?:handle|rim|body|stem|neck|edge|edges|top|above|side|sides|below|grip|"
@@ -46,15 +32,6 @@ GRIP = re.compile(
 IN_ORDER = re.compile(
     r" (?:in|into) (?:an? |the )?(?:[a-z]+ )?(?:order|sequence|row|line)(?: (?:of|by|from|according to))? (?P<how>.+)$"
 )
-
-
-@dataclass(frozen=True)
-class AskBack:
-    """The clause is understood but for one thing, which is asked."""
-
-    question: str
-    goal: Goal
-    """What is understood so far."""
 
 
 def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack | str:
@@ -80,9 +57,9 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
     rest = clause[length:]
     ordered = IN_ORDER.search(" ".join(rest))
     if action == "place" and ordered:
-        return _sort([*" ".join(rest)[: ordered.start()].split(), "by", *ordered["how"].split()])
+        return read_sort([*" ".join(rest)[: ordered.start()].split(), "by", *ordered["how"].split()])
     if action == "sort":
-        return _sort(rest)
+        return read_sort(rest)
     if action == "discard":
         return _discard(rest)
     if action == "place":
@@ -115,61 +92,14 @@ def _place_default(verb: list[str], rest: list[str]) -> Placement | None:
     return Placement(kind="aside") if said in ("move", "shift", "relocate", "carry", "slide", "transfer") else None
 
 
-def _sort(rest: list[str]) -> list[Goal] | AskBack | str:
-    line = " ".join(rest)
-    by = SORTED_BY.search(line)
-    measure = read_measure((by["how"] if by else line).split())
-    if measure is None and by:
-        return "I can sort by fragility, by size or by weight, and by nothing else."
-    what = line[: by.start()].split() if by else FIRST.sub("", line.split(" , ")[0]).split()
-    spared = SPARED.search(by["how"]) if by else None
-    if spared:
-        what = [*(what or ["everything"]), *spared[0].split()]
-    what = [
-        t
-        for t in what
-        if t not in ("out", "up", "them", "it", "from", "left", "to", "right", "in", "a", "row", "line", *TABLE)
-    ]
-    reading = read_reference(what or ["everything"])
-    if not is_reference(reading) and not reading.unknown:
-        reading = read_reference(["everything"])
-    if reading.unknown or reading.contradiction:
-        return CANNOT_READ
-    reference = Reference(**{**reading.found, "plural": True})
-    descending = bool(DESCENDING.search(line)) != bool(FROM_RIGHT.search(line))
-    goal = Goal(kind="sort", reference=reference, measure=measure, descending=descending)
-    return [goal] if measure else AskBack("I can sort by fragility, by size or by weight. By which?", goal)
-
-
-def read_measure(tokens: list[str]) -> Measure | None:
-    """What a sort goes by, or None where no word says it."""
-    for token in tokens:
-        measure = lexicon.MEASURES.get(mend(token)) or _measure_of(token)
-        if measure is not None:
-            return measure
-    return None
-
-
-def _measure_of(token: str) -> Measure | None:
-    extremes: dict[str, Measure] = {
-        "biggest": "size", "smallest": "size", "largest": "size", "tallest": "size", "shortest": "size",
-        "heaviest": "weight", "lightest": "weight", "sturdiest": "fragility", "lighter": "weight", "heavier": "weight",
-        "bigger": "size", "smaller": "size", "larger": "size", "sturdy": "fragility", "robust": "fragility",
-    }  # fmt: skip
-    near = {
-        measure
-        for word, measure in lexicon.MEASURES.items()
-        if len(word) > 3 and token not in vocabulary() and edits(token, word, 1) <= 1
-    }
-    return extremes.get(token) or (near.pop() if len(near) == 1 and len(token) > 3 else None)
-
-
 def _pick(rest: list[str]) -> list[Goal] | str:
     if rest and rest[-1] == "up":
         rest = rest[:-1]
     if rest and rest[0] == "up":
         rest = rest[1:]
     thing, placement = read_place(_without_grip(rest))
+    if placement is not None and placement.kind == "aside" and thing and "way" in rest:
+        return _each(thing, "place", placement)  # "get the cup out of the way"
     if placement is not None and placement.kind == "side" and CARRIED_TO.search(" ".join(rest)):
         return _each(thing, "place", placement)  # "take the bottle to the right side"
     if placement is not None and thing and placement.kind in ("bin", "hand_over"):
@@ -188,7 +118,7 @@ def _without_grip(tokens: list[str]) -> list[str]:
 
 def _place(rest: list[str], default: Placement | None) -> list[Goal] | AskBack | str:
     for i, token in enumerate(rest):  # "the cup on the left and the apple on the right"
-        if token == "and" and _has_place(rest[:i]) and _has_place(rest[i + 1 :]):
+        if token in ("and", ",") and _has_place(rest[:i]) and _has_place(rest[i + 1 :]):
             first, second = _place(rest[:i], default), _place(rest[i + 1 :], default)
             return [*first, *second] if isinstance(first, list) and isinstance(second, list) else CANNOT_READ
     if default is not None and " ".join(rest).find("away from") < 0:

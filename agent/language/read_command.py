@@ -12,12 +12,14 @@ import re
 from agent.goal import Goal, Reference, Understanding
 from agent.language import courtesies
 from agent.language.asides import untouchable, without_asides
+from agent.language.ask_back import CANNOT_READ, AskBack
 from agent.language.clauses import GERUNDS, NOT_DO, find_verb, split_clauses, strip_opener, trim
 from agent.language.fit_goals import fitted
-from agent.language.read_clause import CANNOT_READ, AskBack, read_clause, read_measure
+from agent.language.read_clause import read_clause
 from agent.language.read_place import read_place
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
+from agent.language.read_sort import read_measure
 from agent.language.refusals import CODE, refuse
 from agent.language.rephrase import rephrased
 from agent.language.stop import says_stop
@@ -154,8 +156,17 @@ def _commands(tokens: list[str]) -> Understanding:
             return Understanding(refusal=got)
         goals += [goal.model_copy(update={"parent": 0}) for goal in got] if before and goals else got
     if len(clauses) > 1:  # "first the cup, then the apple": an order of things says that they are to be taken
+        goals = _with_last_place(goals)
         goals = [g if g.moves or g.query else g.model_copy(update={"kind": "pick"}) for g in goals]
     return fitted(goals, forbidden)
+
+
+def _with_last_place(goals: list[Goal]) -> list[Goal]:
+    """In "first the apple, then the banana into the bin" both go there."""
+    said = [g for g in goals if g.kind == "answer" and g.query is None]
+    if len(said) == len(goals) - 1 and said == goals[:-1] and goals[-1].kind == "place":
+        return [*(g.model_copy(update={"kind": "place", "placement": goals[-1].placement}) for g in said), goals[-1]]
+    return goals
 
 
 def _stays(tokens: list[str]) -> list[str]:

@@ -20,7 +20,7 @@ BIN = re.compile(
 )
 BACK = re.compile(r"^back(?: (?:down|again|where .*|in(?:to)? .*|on .*|to .*))?$")
 ASIDE = re.compile(
-    r"^(?:(?:far |further )?away from .+|aside|away|down|somewhere(?: else)?|elsewhere|out of the way|to (?:the|one) side|anywhere|to a free (?:place|spot)|"
+    r"^(?:(?:far |further )?away from .+|aside|away|down|somewhere(?: else| safe| nice| suitable| free| better| out of the way)?|elsewhere|out of the way|to (?:the|one) side|anywhere|to a free (?:place|spot)|"
     r"(?:on|onto|down on|back on|back onto) the (?:table|desk)|off|over)$"
 )
 ME = re.compile(r"^(?:over )?(?:to|for|in(?:to)? my hand|in front of) ?(?:me|us|my hand)?$")

@@ -194,7 +194,7 @@ def _read_head(tokens: list[str], reading: Reading) -> None:
             found["plural"] = True
         elif token in ("other", "another", "else", "different", "remaining", "rest"):
             found["other"] = True
-            found["plural"] = found.get("plural", False) or token in ("remaining", "rest")
+            found["plural"] = found.get("plural", False) or token == "rest" or tokens[i:] == ["remaining"]
         elif token in ("one", "ones", "it"):
             found["noun"] = found.get("noun") or ("one" if token != "it" else None)
             found["pronoun"] = found.get("pronoun", False) or token == "it"

@@ -35,7 +35,7 @@ THROWN = re.compile(
     r"^(?:throw|toss|chuck|fling|hurl) (?:.+ )(?:at|out of the window|through|against|across|over|to (?!the (?:bin|trash|left|right|side|front|back|middle)|me|us))\b(?! the (?:bin|trash))"
 )
 BOTH_SIDES = re.compile(
-    r"\b(?:to|on|at) (?:the )?(left|right|front|back) (?:side )?and (?:also )?(?:(?:to|on|at) )?(?:the )?(?!\1)(?:left|right|front|back)(?: side)?(?: of\b|$)"
+    r"\b(?:left (?:side )?and (?:to |on )?(?:the )?right|right (?:side )?and (?:to |on )?(?:the )?left)(?: side)? of\b|\b(?:to|on|at) (?:the )?(left|right|front|back) (?:side )?and (?:also )?(?:(?:to|on|at) )?(?:the )?(?!\1)(?:left|right|front|back)(?: side)?(?: of\b|$)"
 )
 CODE = re.compile(
     r"[a-zA-Z_]\w*\((?!s\))|\)\s*;|=>|==|:=|[{}]|</?[a-zA-Z]|\$\(|&&|\|\||\bimport \w+\b|\b(?:select|delete|drop|insert) .*\b(?:from|table|into)\b (?!the\b)\w+ ?;|\bsudo\b|\brm -"

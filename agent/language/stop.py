@@ -49,7 +49,10 @@ def says_stop(text: str) -> bool:
         return True
     pieces = [piece.strip() for piece in re.split(r"[,.;]", text) if piece.strip()]
     halts = [_halts(piece) for piece in pieces]
-    return any(halts) and all(h or set(p.split()) <= _ALONGSIDE for h, p in zip(halts, pieces, strict=True))
+    return any(halts) and all(
+        h or p.startswith(("do not ", "never ")) or set(p.split()) <= _ALONGSIDE
+        for h, p in zip(halts, pieces, strict=True)
+    )
 
 
 def _halts(piece: str) -> bool:

@@ -57,7 +57,7 @@ COMMON = (
     "went gone came come goes gave given took taken held kept fell broke felt knew made makes told said asked wanted liked "
     "tried used looked worked seemed maybe perhaps really quite rather somehow actually sorry mean meant reasoning strategy "
     "enough newton plus minus times already still ever just being having doing getting going anyone everyone someone "
-    "shelf shelves kitchen fridge garden sofa cupboard drawer cabinet sink oven rack stove bookshelf couch "
+    "safe nice suitable shape shapes material kind type category state location shelf shelves kitchen fridge garden sofa cupboard drawer cabinet sink oven rack stove bookshelf couch "
     "simulate quit cease movement movements motion stay still remain suspend interrupt terminate power shut mess stem handle rim neck body "
     "shaft lip brim grip grasp lost where there number overview position gone tell reason cause behind choice decision thinking "
     "step steps task job mission grab enough topmost upper lower others lot lots bunch couple several rotten dirty chance possible "
