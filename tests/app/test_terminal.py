@@ -1,4 +1,7 @@
-"""`ragvlm chat` on a real terminal (tmux): references, questions, Ctrl-C, what-if, undo, and a kill in the middle."""
+"""`ragvlm chat` on a real terminal (tmux): references, questions, Ctrl-C, why, what-if, undo, and a motion that waits.
+
+Kills are in tests/graph/test_kill_chat.py.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,6 @@ import os
 import re
 import select
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -102,7 +104,7 @@ def test_a_whole_session_in_a_terminal(pane: Pane, tmp_path: Path) -> None:
     pane.expect(r"Answer +.*I hold the|Answer +I put|Answer +I could not")
     pane.type("/why")
     pane.expect(r"Why +")
-    pane.expect(r"trials succeeded")
+    pane.expect(r"earlier success|trials succeeded")
     pane.type("/whatif force=4")
     pane.expect(r"What if +Simulated with force 4 N")
     pane.expect(r"side by side: \S*whatif-1\.png")
@@ -112,19 +114,3 @@ def test_a_whole_session_in_a_terminal(pane: Pane, tmp_path: Path) -> None:
     pane.expect(r"approval on")
     pane.type("pick up the left block")
     pane.expect(r"Approve\? +May I do this\?")
-    _kill(home)
-    pane.expect(r"Killed|\$ ")
-    pane.type(start)
-    pane.expect(r'a motion waits for your word: "pick up the left block"')
-    pane.type("yes")
-    pane.expect(r"Answer +I hold the")
-    pane.type("/qiut")
-    pane.expect(r'no command "/qiut"; did you mean /quit\?')
-    pane.type("/quit")
-    pane.type("echo left with $?")
-    pane.expect(r"left with 0")
-
-
-def _kill(home: Path) -> None:
-    """Kills the chat as kill -9 does; its pid is in the session's lock."""
-    os.kill(int((home / "sessions" / "t" / "lock").read_text()), signal.SIGKILL)
