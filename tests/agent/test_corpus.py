@@ -47,10 +47,10 @@ def test_the_corpus_is_large_enough() -> None:
 
 def test_the_fresh_corpus_is_understood() -> None:
     """Commands written before the parser met them: the tuning half is understood to 95 %, the reported half stays above the
-    share that was measured when it was first read (179 of 195)."""
+    95 % that is asked for (measured: 187 of 195; 179 when it was first read)."""
     tuning, reported = measure_commands(FRESH)
     assert tuning.right >= 0.95 * tuning.total
-    assert reported.right >= 179
+    assert reported.right >= 0.95 * reported.total
     assert tuning.total + reported.total >= 300
 
 
