@@ -5,6 +5,8 @@ The hand's weight and inertia are known; the acceleration comes from the joint e
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,11 +31,23 @@ class WristReader:
         self._pose = sensors["robot/tcp_quaternion"]
         self._hand = sensors["robot/hand_acceleration"]
         self._tool = sensors["robot/tcp_acceleration"]
+        self._mass = hand_mass()
 
     def force(self, rows: Array) -> Array:
         """External force on the hand [N], shape (..., 3), for sensordata rows (..., ns)."""
         # Newton for the hand: external + wrist = mass * (acceleration - gravity); the accelerometer gives the bracket.
         return hand_mass() * rows[..., self._hand] - rows[..., self._force]
+
+    def force_now(self, row: Array) -> tuple[float, float, float]:
+        """`force` of one row (ns,) as plain numbers [N]."""
+        mass, (ax, ay, az), (fx, fy, fz) = self._mass, row[self._hand].tolist(), row[self._force].tolist()
+        return mass * ax - fx, mass * ay - fy, mass * az - fz
+
+    def mass_now(self, row: Array) -> float:
+        """`mass` of one row (ns,) but for rounding [kg]; NaN in free fall."""
+        (x, y, z), (px, py, pz) = self.force_now(row), row[self._tool].tolist()
+        square = px * px + py * py + pz * pz
+        return -(x * px + y * py + z * pz) / square if square > 0.0 else math.nan
 
     def force_w(self, rows: Array) -> Array:
         """The same in the world frame, for rows (T, ns)."""
