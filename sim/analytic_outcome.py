@@ -17,7 +17,7 @@ from kb.base import Finite, Noun
 from kb.grasp import Grasp, Quality
 from kb.vocabulary import FailureType
 from sim.footprint import geom_points
-from sim.hand import hand_boxes, swept_distances
+from sim.hand import hand_boxes, swept_least
 from sim.local_width import local_width, region_distance
 from sim.placed import PlacedObject
 from sim.pose import Array, point_in_body, rotation_of
@@ -79,9 +79,7 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
     thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
     if thing is None:
         return Outcome(gripped=None, failure="POSITION_ERROR", **base)
-    clearance = {
-        other.id: float(swept_distances(grasp, cloud(world, other)).min()) for other in movable if other.id != thing.id
-    }
+    clearance = {other.id: swept_least(grasp, cloud(world, other)) for other in movable if other.id != thing.id}
     supports = tuple(other.id for other in movable if other.id != thing.id and _stands_on(world, other, thing))
     near = min((value for name, value in clearance.items() if name not in supports), default=math.inf)
     table = _above_table(grasp) >= TABLE_ALLOWANCE

@@ -224,6 +224,12 @@ def swept_clearances(grasps: Sequence[Grasp], points_w: Array, *, lift: float = 
     return out
 
 
+def swept_least(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
+    """The smallest of `swept_distances` [m], however large; inf without points."""
+    points = np.asarray(points_w, float).reshape(-1, 3)
+    return _least(_Sweep.of(grasp, points - np.asarray(grasp.position), lift)) if len(points) else math.inf
+
+
 def swept_count(grasp: Grasp, points_w: Array, limit: float, *, lift: float = FULL_LIFT) -> int:
     """How many points (N, 3) the swept hand comes nearer to than `limit` [m]."""
     points = np.asarray(points_w, float).reshape(-1, 3)

@@ -54,11 +54,13 @@ def constrain(
         # The hand arrives from the free side, so it moves against it.
         bias = bias - LATERAL_BIAS * np.asarray(adjustment.lateral)
     kept: list[Constrained] = []
+    wanted = float(np.linalg.norm(bias))
     for candidate in candidates:
         if limit is not None and candidate.tilt > limit + 1e-6:
             rejected["content: approach too tilted"] = rejected.get("content: approach too tilted", 0) + 1
             continue
-        kept.append(_lean(candidate, subject, bias, limit, constraints))
+        leans = wanted >= 1e-6
+        kept.append(_lean(candidate, subject, bias, limit, constraints) if leans else Constrained(candidate, 0.0))
     if not adjustment.avoid_yaw:
         return kept
     return [
@@ -81,8 +83,6 @@ def _lean(
     counts as a malus; other closing axes will be preferred.
     """
     wanted = float(np.linalg.norm(bias))
-    if wanted < 1e-6:
-        return Constrained(candidate, 0.0)
     closing = closing_axis(candidate.approach, candidate.yaw)
     before = np.asarray(candidate.approach)
     usable = bias - closing * float(bias @ closing)
