@@ -18,7 +18,9 @@ from sim.hand import (
     hand_boxes,
     swept_clearance,
     swept_clearances,
+    swept_count,
     swept_distances,
+    swept_least,
 )
 
 
@@ -125,3 +127,19 @@ def test_batch_agrees_with_single_and_far_points_count_as_far() -> None:
         exact = swept_distances(grasp, points, lift=0.0).min()
         assert min(value, CULL_MARGIN) == pytest.approx(min(exact, CULL_MARGIN), abs=1e-9)
     assert swept_clearances(grasps, np.zeros((0, 3))).tolist() == [np.inf] * len(grasps)
+
+
+@pytest.mark.parametrize("lift", [0.0, 0.12, 0.17])
+def test_points_that_are_left_out_change_no_bit(lift: float) -> None:
+    """The least distance and the number of near points are those of all distances, bit for bit, at any lean of the hand."""
+    rng = np.random.default_rng(11)
+    for _ in range(60):
+        lean = np.array([*rng.normal(size=2), -abs(rng.normal()) * rng.choice([0.1, 1.0, 100.0])])
+        x, y, z = (lean / np.linalg.norm(lean)).tolist()
+        yaw, opening = rng.uniform([-3, 0.01], [3, 0.08]).tolist()
+        grasp = Grasp(position=(0.5, 0, 0.1), approach=(x, y, z), yaw=yaw, aperture=opening, force=10, type="side")
+        points = rng.normal(rng.uniform([0.4, -0.1, 0.0], [0.6, 0.1, 0.2]), 0.04, (400, 3))
+        distances = swept_distances(grasp, points, lift=lift)
+        assert swept_least(grasp, points, lift=lift) == distances.min()
+        for limit in (-0.002, 0.001, 0.03):
+            assert swept_count(grasp, points, limit, lift=lift) == (distances < limit).sum()
