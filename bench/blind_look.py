@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import zlib
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -39,11 +40,23 @@ class BlindOracle:
         return percept.model_copy(update={"objects": seen})
 
     def _embedding(self, category: str) -> tuple[float, ...]:
-        entries = [entry for entry in self._store.by_category(category) if entry.embedding]
+        entries = _embeddings(self._store, category)
         if not entries:
             return ()
         rng = np.random.default_rng([self._seed, zlib.crc32(category.encode())])
-        return entries[int(rng.integers(len(entries)))].embedding
+        return entries[int(rng.integers(len(entries)))]
+
+
+_known: WeakKeyDictionary[Any, dict[tuple[str, int], list[tuple[float, ...]]]] = WeakKeyDictionary()
+"""Store -> category and size of the store -> embeddings: every look of every trial asks for the same few categories."""
+
+
+def _embeddings(store: Any, category: str) -> list[tuple[float, ...]]:
+    """Embeddings that the store has of a category, in its order."""
+    known, key = _known.setdefault(store, {}), (category, len(store))
+    if key not in known:
+        known[key] = [entry.embedding for entry in store.by_category(category) if entry.embedding]
+    return known[key]
 
 
 def _unseen(camera: Any) -> RgbdView:
