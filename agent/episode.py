@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 from agent.attempt import Attempt
 from agent.context import AgentContext
 from agent.state import State
 from kb.percept import PerceivedObject
+from kb.sensing import Plan
 from kb.taxonomy import superclass
 from memory import EpisodicMemory, HistoryEntry, MemoryItem, recall, remember
 
@@ -28,16 +30,30 @@ def item_of(attempt: Attempt, tries: int) -> MemoryItem:
         region=attempt.plan.region,  # pyright: ignore[reportArgumentType]
         type=grasp.type,
         tilt=math.acos(max(-1.0, min(1.0, -grasp.approach[2]))),
-        force=grasp.force,
+        force=unconstrained(attempt.plan, "force"),
         depth=min(1.0, max(0.0, (grasp.position[2] - target.base_z) / height)),
         aperture=grasp.aperture,
         width=attempt.sensing.aperture_end,
-        standoff=grasp.standoff,
-        speed=grasp.speed,
+        standoff=unconstrained(attempt.plan, "standoff"),
+        speed=unconstrained(attempt.plan, "speed"),
         mass=attempt.sensing.load_end,
         attempts=max(1, tries),
         source=f"turn {attempt.turn}, attempt {attempt.number}",
     )
+
+
+def unconstrained(plan: Plan, name: Literal["force", "standoff", "speed"]) -> float:
+    """The number before the neighbours of that moment changed it [N, m, share].
+
+    A neighbour's constraint acts on what is recalled, too: remembering the constrained number would let it act once more
+    with every repetition, until the hand starts at the ceiling and presses with nothing.
+    """
+    steps = plan.provenance.get(name, ())
+    sources = [step.source for step in steps]
+    if "constraint" not in sources or "correction" in sources:
+        return float(getattr(plan.grasp, name))
+    given = [step.value for step in steps[: sources.index("constraint")] if isinstance(step.value, int | float)]
+    return float(given[-1]) if given else float(getattr(plan.grasp, name))
 
 
 def recalled(state: State, context: AgentContext, target: PerceivedObject) -> MemoryItem | None:

@@ -23,6 +23,9 @@ TOOLS: dict[str, str] = {
     "classify_failure": "ClassifyArgs",
     "correct_grasp": "CorrectArgs",
     "place_object": "PlaceArgs",
+    "choose_grasp": "ChooseArgs",
+    "confirm_grasp": "ConfirmArgs",
+    "name_objects": "NameArgs",
 }
 """Tool (and file) name -> name of its argument model."""
 

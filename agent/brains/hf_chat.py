@@ -26,7 +26,7 @@ from kb.errors import BadInputError, EnvironmentFaultError
 Weights = Literal["auto", "bf16", "fp16", "fp32", "int8", "nf4"]
 Cache = Literal["bf16", "fp8"]
 NEEDED = ("torch", "transformers", "xgrammar")
-MEND = "pip install 'agentic-rag-vlm[models]'"
+MEND = "pip install 'agentic-rag-vlm[models]', or --brain rules"
 KEPT_IN_16_BIT = ("visual", "model.visual", "model.vision_tower", "vision_tower", "vision_model", "lm_head")
 """Modules, by the beginning of their names, that are not quantised: pictures suffer most from it (ledger G34), and the head is tied to the embeddings."""
 

@@ -43,13 +43,24 @@ def facts() -> dict[str, Any]:
         },
         "correct_grasp": {"failure": "SLIP", "level": 1, "plan": attempt.plan, "evidence": evidence},
         "place_object": {"percept": percept, "held": attempt.plan, "object": target, "kind": "side", "side": "left"},
+        "choose_grasp": {"plan": attempt.plan, "percept": percept, "changes": {"force": attempt.plan.grasp.force * 0.9}},
+        "confirm_grasp": {
+            "plan": attempt.plan, "object": target, "percept": percept, "constraints": attempt.constraints,
+        },
+        "name_objects": {
+            "percept": percept,
+            "seen": {"objects": [{
+                "id": target.id, "category": "block", "affordance": "GRASPABLE_BODY", "material": "wood",
+                "fragility": 0.1, "region": "body",
+            }]},
+        },
     }  # fmt: skip
 
 
 def context_for(name: str, facts: dict[str, Any]) -> ToolContext:
     """A context with a fresh generator, and the world where the tool needs it."""
     agent = facts["agent"]
-    agent.opened.restore(facts["held"] if name == "place_object" else facts["start"])
+    agent.opened.restore(facts["held"] if name in ("place_object", "confirm_grasp") else facts["start"])
     return dataclasses.replace(agent.context.tools, rng=np.random.default_rng(3))
 
 
