@@ -151,7 +151,7 @@ class RunRecord:
 def trace_row(step: Any) -> dict[str, Any]:
     """A step as one JSON object with the stage of the loop it belongs to (ledger G1)."""
     row = json.loads(step.model_dump_json())
-    role = row.get("role") or (row.get("exchange") or {}).get("role")
+    role = str(row.get("role") or (row.get("exchange") or {}).get("role"))
     return {"stage": STAGES.get(step.kind, ROLE_STAGES.get(role, 7)), **row}
 
 
