@@ -16,7 +16,7 @@ from agent.context import AgentContext
 from agent.episode import history, with_success
 from agent.ladder import budget, irreversible, level_of
 from agent.nodes import look
-from agent.placing import place_args, put_back_args
+from agent.placing import origin_of, place_args, put_back_args
 from agent.state import State, Update, merged
 from agent.traced_tools import classify_failure, correct_grasp, execute_grasp, place_object
 from kb.sensing import Correction, Evidence
@@ -234,7 +234,7 @@ def place(state: State, runtime: Run) -> Update:
     context.world.moving()
     with context.timed("execution", times):
         sensing = place_object(place_args(state), context.tool("place", opened.motions))
-    claimed, note = phrases.placed(sensing, state.goal)
+    claimed, note = phrases.placed(sensing, state.goal, origin_of(state))
     context.emit(events.Observation(text=note, goal=state.current, sensing=sensing, claimed=claimed))
     handed = claimed and state.goal.placement is not None and state.goal.placement.kind == "hand_over"
     still = state.held.model_copy(update={"handed_over": handed}) if opened.robot.holding else None

@@ -11,6 +11,7 @@ from agent.goal import Goal, Understanding
 from agent.language.describe import describe, listing, spoken
 from agent.language.single_out import leftness
 from agent.state import State
+from kb.base import Vec2
 from kb.constraint import Constraints
 from kb.experience import Retrieval
 from kb.percept import PerceivedObject, Percept
@@ -265,8 +266,18 @@ def placing(goal: Goal, held: Held) -> str:
     return f"place_object: the {plain(held.category)} {place_words(goal)}."
 
 
-def placed(sensing: Sensing, goal: Goal) -> tuple[bool, str]:
-    """Whether the robot believes that it put the thing where it was to go, and in words."""
+RETURNED = 0.04
+"""Up to this distance from where it was a thing is back [m]; the observer judges by the same (sim.verdict_place)."""
+
+
+def placed(sensing: Sensing, goal: Goal, wanted: Vec2 | None = None) -> tuple[bool, str]:
+    """Whether the robot believes that it put the thing where it was to go, and in words.
+
+    Args:
+        sensing: Of the placing motion.
+        goal: The goal in work.
+        wanted: Where a thing that is to go back stood [m].
+    """
     if sensing.stopped_by == "stop":
         return False, "I was stopped while placing it."
     if sensing.stopped_by == "path":
@@ -278,6 +289,13 @@ def placed(sensing: Sensing, goal: Goal) -> tuple[bool, str]:
         return True, "I hold it out to you."
     if sensing.phase not in ("release", "retreat", "home"):
         return False, "I could not put it down."
+    if kind == "back" and wanted is not None and sensing.aimed_at is not None:
+        off = math.dist(wanted, sensing.aimed_at)
+        if off > RETURNED:
+            return (
+                False,
+                f"I put it down {off * 100:.0f} cm from where it was: its place was not free or out of my reach.",
+            )
     return True, f"I put it {place_words(goal)}."
 
 

@@ -78,6 +78,14 @@ def place_args(state: State) -> PlaceArgs:
     )
 
 
+def origin_of(state: State) -> Vec2 | None:
+    """Where what is in the hand stood before, or is said to have stood [m]."""
+    placement = state.goal.placement
+    if placement is not None and placement.point is not None:
+        return placement.point
+    return None if state.held is None else (state.held.object.position[0], state.held.object.position[1])
+
+
 def put_back_args(attempt: Attempt) -> PlaceArgs:
     """Arguments for putting what a failed attempt left in the hand back where it stood."""
     percept = attempt.percept or Percept(look=0, perception="rgbd", objects=())

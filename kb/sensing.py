@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from kb.base import Finite, Noun, Vec3
+from kb.base import Finite, Noun, Vec2, Vec3
 from kb.grasp import Grasp, GraspField, Provenance, Quality
 from kb.vocabulary import FailureType
 
@@ -28,6 +28,8 @@ class Sensing(Noun):
     """What ended the motion early: the force reflex, the 60-s limit, a person, or planning ("path": no free path)."""
     abort_force: Finite = 0.0
     """Wrist force that triggered the reflex [N]."""
+    aimed_at: Vec2 | None = None
+    """Where a placing motion set the footprint's centre down [m]: the free place that was chosen."""
     abort_direction: Vec3 | None = None
     """Direction of that force on the hand, world frame."""
     approach_force: Finite = 0.0

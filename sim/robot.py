@@ -20,6 +20,7 @@ from kb.sensing import Sensing
 from sim.controller import hold
 from sim.grasp_motion import approach, arrive, close, hold_and_shake, lift_up, plan
 from sim.hand import FULL_LIFT
+from sim.kinematics import forward
 from sim.motion import Obstacle
 from sim.motion_run import HaltedError, MotionRun, is_holding
 from sim.place_motion import carry_above, home, let_go, lower_here, place_pose, travel
@@ -65,6 +66,12 @@ class Robot:
     def holding(self) -> bool:
         """The hand was told to close, presses, and something keeps the fingers apart."""
         return is_holding(self.world)
+
+    @property
+    def tool_point(self) -> Vec3:
+        """Point between the finger pads by forward kinematics of the encoders' angles [m]."""
+        x, y, z = (float(value) for value in forward(self.joints)[:3, 3])
+        return x, y, z
 
     @property
     def bin(self) -> tuple[Vec3, Vec3] | None:

@@ -6,14 +6,22 @@ The verb only takes the pictures and hands them to the perceiver of the session:
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
 
 from kb.base import Noun, Vec3
-from kb.percept import Percept
+from kb.percept import PerceivedObject, Percept
 from kb.rgbd import RgbdView
 from kb.vocabulary import PerceptionName
+
+HANGING = 0.06
+"""Height of the base above the table from which a thing may hang in the air [m]."""
+RESTING = 0.03
+"""A thing rests on another whose top is at most this far below its base [m]."""
+HAND_REACH = 0.20
+"""Horizontal distance from the tool point within which the hand and what it holds are seen [m]."""
 
 
 class PerceiveArgs(Noun):
@@ -43,6 +51,12 @@ class Looker(Protocol):
 
     @property
     def bin(self) -> tuple[Vec3, Vec3] | None: ...
+
+    @property
+    def holding(self) -> bool: ...
+
+    @property
+    def tool_point(self) -> Vec3: ...
 
     def look(self, rng: np.random.Generator, names: tuple[str, ...] = ("front", "top")) -> tuple[RgbdView, ...]:
         """One picture per named camera."""
@@ -74,4 +88,29 @@ def perceive(args: PerceiveArgs, context: PerceiveContext) -> Percept:
     """
     views = context.robot.look(context.rng)
     percept = context.perceiver.perceive(views, args)
+    if percept.perception != "oracle" and context.robot.holding:
+        percept = without_own_hand(percept, context.robot.tool_point)
     return percept.model_copy(update={"bin": context.robot.bin})
+
+
+def without_own_hand(percept: Percept, tool_point: Vec3) -> Percept:
+    """The percept without what hangs in the air around the robot's own hand: the hand's edges, and what it holds.
+
+    What is held is known to the agent already; seen once more as an unknown thing, it would block the place that it came
+    from. A thing hangs if its base is above the table and no other thing reaches up to it.
+
+    Args:
+        percept: As seen.
+        tool_point: Point between the finger pads [m].
+    """
+
+    def hangs(obj: PerceivedObject) -> bool:
+        if obj.base_z < HANGING or math.dist(obj.position[:2], tool_point[:2]) > HAND_REACH:
+            return False
+        return all(
+            other.id == obj.id or other.top_z < obj.base_z - RESTING or other.base_z >= HANGING
+            for other in percept.objects
+        )
+
+    kept = tuple(obj for obj in percept.objects if not hangs(obj))
+    return percept if len(kept) == len(percept.objects) else percept.model_copy(update={"objects": kept})

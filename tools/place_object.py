@@ -101,7 +101,7 @@ def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
     chosen = choose_place(args, context)
     if chosen is None:
         return Sensing(reachable=False, stopped_by="path", phase="plan", aperture_end=float(context.robot.aperture))
-    return context.robot.place(
+    sensing = context.robot.place(
         chosen.position,
         approach=chosen.approach,
         yaw=chosen.yaw,
@@ -110,6 +110,7 @@ def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
         left_behind=set_down_box(args.object, chosen, args.held),
         load=load_points(args.object, args.held),
     )
+    return sensing.model_copy(update={"aimed_at": chosen.centre})
 
 
 def set_down_speed(args: PlaceArgs) -> float:
@@ -154,7 +155,7 @@ def _options(args: PlaceArgs) -> Iterator[SetDown]:
     places = 0
     for gap in (GAP, 0.012):
         for centre in _wanted(args):
-            if _inside(centre, args) and is_free(centre, radius, args.percept, ignore, gap):
+            if _inside(centre, args) and is_free(centre, radius, args.percept, ignore, gap, args.object.size[2] + GAP):
                 yield from set_downs(args.object, args.held, centre, support)
                 places += 1
                 if places >= TRIES:

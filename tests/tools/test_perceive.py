@@ -17,9 +17,10 @@ from kb.shape_colour import ShapeColourEmbedder
 from sim.draw_scene import draw_scene
 from sim.scene_file import load_scene
 from sim.world import World
+from tests.percept_fixtures import thing
 from tools.context import ToolContext
 from tools.oracle_perception import OraclePerceiver
-from tools.perceive import PerceiveArgs, perceive
+from tools.perceive import PerceiveArgs, perceive, without_own_hand
 from tools.perception import RgbdPerceiver
 
 SEED = 10007
@@ -37,6 +38,8 @@ def _looked(scene: str) -> tuple[World, tuple[RgbdView, ...], Percept, Percept]:
 
 class _Robot:
     bin = ((0.3, 0.4, 0.0), (0.6, 0.7, 0.1))
+    holding = False
+    tool_point = (0.45, 0.0, 0.5)
 
     def __init__(self, views: tuple[RgbdView, ...]) -> None:
         self.views = views
@@ -130,3 +133,11 @@ def test_the_pixel_pipeline_cannot_import_the_truth() -> None:
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             assert not [name for name in names if name.split(".")[0] in ("sim", "mujoco", "scipy")], path.name
+
+
+def test_the_own_hand_and_what_it_holds_are_no_things_on_the_table() -> None:
+    """What hangs in the air around the hand is left out; what stands, is stacked, or hangs elsewhere stays."""
+    bowl, block = thing("obj_0", "bowl", 0.50, 0.0), thing("obj_1", "block", 0.50, 0.0, base=0.062)
+    held, far = thing("obj_2", "cup", 0.47, 0.15, base=0.20), thing("obj_3", "cup", 0.47, -0.35, base=0.20)
+    seen = Percept(look=0, perception="rgbd", objects=(bowl, block, held, far))
+    assert [obj.id for obj in without_own_hand(seen, (0.45, 0.12, 0.3)).objects] == ["obj_0", "obj_1", "obj_3"]

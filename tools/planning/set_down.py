@@ -66,11 +66,25 @@ def footprint_radius(held: PerceivedObject) -> float:
     )
 
 
-def is_free(centre: Vec2, radius: float, percept: Percept, ignore: tuple[str, ...] = (), gap: float = GAP) -> bool:
-    """Whether a circle on the table keeps its distance from every perceived object's box."""
+def is_free(
+    centre: Vec2,
+    radius: float,
+    percept: Percept,
+    ignore: tuple[str, ...] = (),
+    gap: float = GAP,
+    height: float = math.inf,
+) -> bool:
+    """Whether a circle on the table keeps its distance from every perceived object's box.
+
+    What hangs higher than `height` [m] (an edge of the robot's own hand that was taken for a thing) leaves the place free.
+    """
     if not (TABLE_X[0] <= centre[0] <= TABLE_X[1] and TABLE_Y[0] <= centre[1] <= TABLE_Y[1]):
         return False
-    return all(box_distance(centre, other) >= radius + gap for other in percept.objects if other.id not in ignore)
+    return all(
+        box_distance(centre, other) >= radius + gap
+        for other in percept.objects
+        if other.id not in ignore and other.base_z < height
+    )
 
 
 def box_distance(point: Vec2, other: PerceivedObject) -> float:

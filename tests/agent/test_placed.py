@@ -1,0 +1,17 @@
+"""What the robot says of a set-down."""
+
+from __future__ import annotations
+
+from agent.goal import Goal, Placement, Reference
+from agent.phrases import placed
+from kb.sensing import Sensing
+
+
+def test_back_is_only_claimed_where_it_was() -> None:
+    """A thing that was set down beside its old place is not claimed to be back, and the distance is said."""
+    goal = Goal(kind="place", reference=Reference(pronoun=True), placement=Placement(kind="back"))
+    near = placed(Sensing(phase="retreat", aimed_at=(0.51, 0.20)), goal, (0.50, 0.20))
+    far = placed(Sensing(phase="retreat", aimed_at=(0.60, 0.08)), goal, (0.57, 0.21))
+    assert near == (True, "I put it back where it was.")
+    assert not far[0]
+    assert "13 cm from where it was" in far[1]
