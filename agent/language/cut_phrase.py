@@ -26,7 +26,8 @@ EXCEPT = (
     "except for", "except", "apart from", "other than", "but not", "but", "without", "excluding", "not including", "save",
     "besides", "rather than", "instead of", "and not", "not",
 )  # fmt: skip
-TABLE = ("table", "desk", "tabletop", "surface", "scene", "workspace", "floor", "counter")
+TABLE = ("table", "desk", "tabletop", "surface", "scene", "workspace", "floor", "counter",
+         "clutter", "mess", "pile", "heap", "crowd", "muddle", "jumble")  # fmt: skip
 
 
 def split_exceptions(tokens: list[str]) -> tuple[list[str], list[list[str]]]:
