@@ -127,8 +127,8 @@ def crushed(plan: Plan, percept: Percept, target: PerceivedObject, rng: np.rando
 
 
 def the_other_one(plan: Plan, percept: Percept, target: PerceivedObject, rng: np.random.Generator) -> Plan | None:
-    """Grasps what stands beside the target as if it were the target; a twin could not be told by touch."""
-    others = [other for other in percept.objects if other.category != target.category and min(other.size[:2]) < 0.074]
+    """Grasps what stands beside the target as if it were the target, twins included: a false claim is one, however alike things are."""
+    others = [other for other in percept.objects if other.id != target.id and min(other.size[:2]) < 0.074]
     if not others:
         return None
     near = min(others, key=lambda other: (abs(other.size[1] - target.size[1]), other.id))
