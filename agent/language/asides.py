@@ -18,6 +18,8 @@ _CAUTIONS = (
     r"hurt|damage|drop|tip|topple|bump|tilt|shake))\b.*?",
     r"(?:it|they|that|this|the [a-z]+) (?:is|are) (?:very |quite |so |really |rather )?(?:fragile|delicate|hot|full|heavy|slippery|"
     r"breakable|expensive|precious|wet|filled|in the way|dirty|important)\b.*?",
+    r"(?:it|they|that|this|the [a-z]+) (?:still )?(?:has|have|contains?|holds?) (?:[a-z]+ )*(?:water|coffee|tea|juice|wine|milk|liquid|something)(?: (?:in|inside)(?: it| them)?)?",
+    r"(?:so |please |while |by )*(?:hold|holding|keep|keeping|carry|carrying) (?:it|them|that) (?:[a-z]+ )?(?:level|upright|straight|steady|horizontal|vertical|tight|tightly|steadily|flat)(?: all the time| while .*?)?",
 )
 CAUTION = re.compile(
     r"(?:^| )(?:[,.;] |and |but |while )*(?:" + "|".join(_CAUTIONS) + r")(?= (?:[.,;]|and then|then)(?: |$)|$)"
@@ -26,7 +28,7 @@ REASON = re.compile(
     r" (?:, )?(?:because|since|so that|so i|so we|in order to|as i|for i|that way|in case|if you (?:can|could|would|like))\b.*$"
 )
 TALK = re.compile(
-    r"^(?:(?:i am|i feel|i was|we are|my|it is|there is|there are|look|listen|you know|well|good|as|since|because|nice|great|look at)"
+    r"^(?:(?:i am|(?:it is )?(?:your|my) (?:turn|move|go)|i feel|i was|we are|my|it is|there is|there are|look|listen|you know|well|good|as|since|because|nice|great|look at)"
     r"\b[^,.;]*[,.;] (?:so |and |then )*)+"
 )
 LYING_ON = re.compile(

@@ -99,6 +99,8 @@ def trim(tokens: list[str]) -> list[str]:
             parts = tag.split()
             if tokens[-len(parts) - 1 :] == [",", *parts] and len(tokens) > len(parts) + 1:
                 tokens, changed = tokens[: -len(parts) - 1], True
+            elif parts[-1] == "you" and tokens[-len(parts) :] == parts and find_verb(tokens) is not None:
+                tokens, changed = tokens[: -len(parts)], True  # "grab me the apple will you"
     return tokens
 
 
@@ -140,8 +142,10 @@ def split_clauses(tokens: list[str]) -> list[list[str]]:
 
 def _drop_trailing(clause: list[str], index: int) -> list[str]:
     """Takes "pick up the apple first" as a word about the order; in a later clause it comes before what was said."""
+    sorts = find_verb(clause)
     if (
         len(clause) < 3
+        or (sorts is not None and sorts[0] == "sort")  # "the heaviest one first" is the order that is wanted
         or clause[-1] not in ("first", "second", "last", "next")
         or clause[-2] in ("the", "my", "a", *lexicon.EXTREMES, *lexicon.QUALITIES)
     ):

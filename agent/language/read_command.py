@@ -36,7 +36,7 @@ NO_OP = re.compile(
     r"^(?:go|come|drive|move|return)(?: back)?(?: to)?(?: (?:home|your (?:home|start) ?(?:position|pose)?|back|rest))+$"
 )
 CORRECTED = re.compile(
-    r"(?:the|a|an) [a-z ]+? ,? ?(?:no|sorry|i mean|rather|actually|wait|oops)(?: ,)?(?: i mean)?(?: ,)? (?=(?:the|a|an) )"
+    r"(?:the|a|an) [a-z ]+? [,.;]? ?(?:(?:no|sorry|i mean|rather|actually|wait|oops)(?: [,.;])? )+(?=(?:the|a|an) )"
 )
 LEAVE_ALONE = re.compile(
     r"^(?:leave|keep) (?P<what>.+?) (?:alone|as (?:it|they) (?:is|are)|untouched|where (?:it|they) (?:is|are)|there|in place)$"

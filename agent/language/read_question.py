@@ -30,7 +30,7 @@ PROPERTIES = re.compile(
     r"what is the (?:colou?r|size|shape|material|weight|mass|height|width|fragility|state) of|what does|what (?:colou?r|size|shape|material|weight|height) do(?:es)?|how much (?:does|do|is)|(?:can|could|would|do) you (?:please )?(?:tell me|know|describe|say) (?:what|how) [a-z]+ (?:is|are)|(?:tell|give) me (?:the|its) (?:colou?r|size|shape|material|weight|mass|height|width|fragility|state) of|what can you say about|give me (?:details|information|some details|some information|more information) (?:on|about|of)|"
     r"(?:can|could|would) you (?:please )?(?:describe|tell me about|tell me more about)|tell me (?:something|more|everything|all) about|what else do you know about|which (?:colou?r|material|size|shape|kind|type) (?:is|has|does)|what sort of (?:thing|object) is|what kind of (?:thing|object) is|of what (?:material )?is|"
     r"is|are|describe|tell me about|what do you know about|what can you tell me about|what is|what are)\s+(?P<what>.+?)"
-    r"(?: (?:made (?:of|from|out of)|weigh|have|look like|like|fragile|heavy|light|big|small|empty|full|filled|breakable|red|blue|"
+    r"(?: (?:or|either|already|still|made (?:of|from|out of)|weigh|have|look like|like|fragile|heavy|light|big|small|empty|full|filled|breakable|red|blue|"
     r"green|yellow|white|black|tall|delicate|made|stacked|there|unknown))*$"
 )
 WHICH_NEAR = re.compile(

@@ -71,6 +71,8 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"\beach and every\b", "every"), (r"\bevery single\b", "every"), (r"\bevery last\b", "every"), (r"\ball (?:of )?the rest\b", "the rest"),
         (r"\b(?:the )?(?:remaining|other) (?:things|objects|items|stuff|ones)\b", "the rest"),
         (r"\bthe remainder\b|\bwhat(?:ever)? (?:is left|remains)\b|\b(?:all )?the others\b|\beverything that is left\b", "the rest"),
+        (r"^(?P<v>(?:please )?(?:throw|toss|chuck|put|clear|take|move|get rid of|bin|discard|dump|remove|dispose of)(?: out| away)?) (?:whatever|all that|anything that) is (?P<a>[a-z]+)(?= |$)(?! of)",
+         r"\g<v> everything that is \g<a>"),
         # where things belong
         (rf"^(?P<thing>{_NP}) (?:all |both )?(?:goes|go|belongs?|should (?:go|be|stand|land|end up)|must (?:go|be put)|has to go|have to go|needs? to (?:go|be)|ought to go|"
          r"is supposed to (?:go|be)|can go|may go|is to go|shall go|wants to go)(?: straight| all| both)?(?: put| placed| moved| thrown)? "

@@ -35,6 +35,11 @@ _STOP_DOING = re.compile(
 _LEADING = re.compile(
     r"^(?:(?:please|no|hey|robot|oh|god|wait|now|ok|quick|careful|[.,;]) )*(?:stop|halt|freeze|abort|cease)\b(?! (?:sign|watch|by))"
 )
+_RETRACTED = re.compile(
+    r" [,.;]? ?(?:(?:oh|no|actually|wait|hm+|well|sorry|on second thoughts?|but|or|ah|hold on)(?: [,.;])? )*(?:never ?mind(?: (?:that|it|about it|about that))?|forget (?:it|that|about it|about that)|"
+    r"scratch that|cancel (?:that|it)|(?:i )?(?:have )?changed my mind|do not bother|no do not)(?: [,.;]| please| thanks| thank you)*$"
+)
+"""A command that is taken back in the same breath: "take the cup... actually never mind"."""
 _JOINT = re.compile(r"(?: [.,;])*(?: and| then| but| instead| rather)+ (?:please )?| [.,;] (?:please )?")
 """Where a command may begin after the stop ("stop, put it down"); a stop followed by none is a stop whatever else is said."""
 
@@ -46,6 +51,8 @@ def says_stop(text: str) -> bool:
         text: cleaned and mended tokens joined by spaces.
     """
     if _LEADING.match(text) and not any(find_verb(rest.split()) for rest in _JOINT.split(text)[1:]):
+        return True
+    if _RETRACTED.search(text):
         return True
     pieces = [piece.strip() for piece in re.split(r"[,.;]", text) if piece.strip()]
     halts = [_halts(piece) for piece in pieces]

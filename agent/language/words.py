@@ -14,7 +14,7 @@ CONTRACTIONS: tuple[tuple[str, str], ...] = (
     (r"'d\b", " would"), (r"'ll\b", " will"), (r"'ve\b", " have"), (r"\bi'm\b", "i am"), (r"'s\b", ""),
     (r"\bwhats\b", "what is"), (r"\bwheres\b", "where is"), (r"\bdont\b", "do not"), (r"\bdidnt\b", "did not"),
     (r"\bgimme\b", "give me"), (r"\bpickup\b", "pick up"), (r"\bwanna\b", "want to"), (r"\bgotta\b", "have to"),
-    (r"\blemme\b", "let me"), (r"\bgonna\b", "going to"), (r"\bill\b", "i will"), (r"\bur\b", "your"), (r"\bu\b", "you"),
+    (r"\blemme\b", "let me"), (r"\bgonna\b", "going to"), (r"\bill\b", "i will"), (r"\bur\b", "your"), (r"\bu\b", "you"), (r"\bya\b", "you"), (r"\bw+h*o+a+h*\b", "whoa"),
     (r"\b(teh|hte|th)\b", "the"), (r"\band than\b", "and then"),
     (r"\bs+t+o+p+\b", "stop"), (r"\b(?:stahp|stpo|sotp|satop|tsop)\b", "stop"), (r"\s&\s", " and "),
     (r"\b(?:wher|whre|wheer|whear)\b", "where"), (r"\b(?:waht|wat|whta|hwat|wht)\b", "what"), (r"\b(?:wats|wahts|whast)\b", "what is"), (r"\bwich\b", "which"), (r"\b(?:nxt|nex) to\b", "next to"),
@@ -63,7 +63,7 @@ COMMON = (
     "step steps task job mission grab enough topmost upper lower others lot lots bunch couple several rotten dirty chance possible "
     "pinch power grasp grip rim lip brim stem neck handle body belly gentle gentler gently softer lighter firmer tighter looser "
     "slower faster quicker yaw aperture opening wider candidate attempt attempts compare report summary forget remember "
-    "touch avoid protect mind leave keep spill break careful nothing nobody nowhere anywhere somewhere somebody"
+    "while whilst during until though although upright level straight steady keeping touch avoid protect mind leave keep spill break careful nothing nobody nowhere anywhere somewhere somebody"
 ).split()
 """Ordinary English words that are never taken for typos of something else."""
 
