@@ -90,6 +90,9 @@ class _Shared:
         )  # fmt: skip
         context = agent.context
         context.clock = world.clock
+        if not context.guarded:
+            # Rules execute the plan itself: nobody would look at the others.
+            context.tools.alternatives = 0
         start = context.clock()
         kind = (perception, chosen.switches.diagnosis)
         state = self._walk.run(context, self.instruction, kind, world.credit)

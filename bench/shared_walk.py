@@ -12,7 +12,7 @@ moves first puts it where the state says (`agent.world_handle`).
 
 from __future__ import annotations
 
-import dataclasses
+import copy
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -176,8 +176,8 @@ def _take(graph: Wiring, name: str, state: State, runtime: Any, watched: Watched
 
 def _reduced(graph: Wiring, state: State, update: Any) -> State:
     """The state with an update, by the reducers of its fields."""
-    changes = {
-        name: graph.reducers[name](getattr(state, name), value) if name in graph.reducers else value
-        for name, value in update.items()
-    }
-    return dataclasses.replace(state, **changes)
+    changed = copy.copy(state)
+    for name, value in update.items():
+        reducer = graph.reducers.get(name)
+        setattr(changed, name, value if reducer is None else reducer(getattr(state, name), value))
+    return changed

@@ -36,6 +36,8 @@ class ToolContext:
     """Generator of the current call; the agent replaces it for every call (see `with_rng`)."""
     stop: Any = None
     """Latching stop switch of the robot, or None."""
+    alternatives: int = 2
+    """Feasible grasps beyond the best that a plan names, for showing and for a brain to choose from; they decide nothing."""
 
     def with_rng(self, rng: np.random.Generator) -> ToolContext:
         """The same context with another generator, so that a call's draws depend on its purpose and count only."""

@@ -119,6 +119,7 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         own_w=own_points(subject),
         use_clearance=switches.clearance,
         way=way,
+        spare=context.alternatives,
         rejected=rejected,
     )
     found = _search(search, pool, chain, args)

@@ -26,8 +26,6 @@ MEASURED = 150
 """Candidates whose clearance is measured, best first."""
 TRIED_POSTURES = 14
 """Candidates for which an arm posture is sought, best first (2 to 4 ms each)."""
-ALTERNATIVES = 2
-"""Feasible candidates beyond the best that are kept for showing and for retries."""
 FREE = 1.0
 """Clearance reported where nothing is near [m]."""
 OWN_CLEARANCE = 0.001
@@ -50,6 +48,8 @@ class Search:
     """Points of the target itself, shape (N, 3) [m]."""
     use_clearance: bool
     way: ArmWay
+    spare: int = 2
+    """Feasible candidates beyond the best that are looked for, for showing and for a brain to choose from."""
     calm: bool = True
     """Refuse arm postures that are near a singularity."""
     rejected: dict[str, int] = field(default_factory=dict[str, int])
@@ -80,7 +80,7 @@ class Search:
         heapq.heapify(heap)
         found: list[tuple[Ranked, Posture]] = []
         measured = postures = 0
-        while heap and measured < MEASURED and postures < TRIED_POSTURES and len(found) <= ALTERNATIVES:
+        while heap and measured < MEASURED and postures < TRIED_POSTURES and len(found) <= self.spare:
             _, name, ranked = heapq.heappop(heap)
             if name in self.unreachable:
                 continue
