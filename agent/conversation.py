@@ -177,14 +177,14 @@ class Agent:
         """Where the graph waits for a person: asks, and returns the command that goes on; False if it does not wait."""
         from langgraph.types import Command
 
+        from agent.approval import Proposal
         from agent.events import Approval
-        from kb.sensing import Plan
 
         proposal = self.waiting
         if proposal is None:
             return False
-        plan = Plan.model_validate(proposal["plan"])
-        yield Approval(text="May I do this?", goal=proposal["goal"], plan=plan)
+        asked = Proposal.model_validate(proposal)
+        yield Approval(text=asked.question, goal=asked.goal, plan=asked.plan)
         decision = self._approve(proposal) if self._approve is not None else {"verdict": "reject"}
         return Command(resume=decision)
 

@@ -88,7 +88,7 @@ class Placement(Noun):
     target: str | None = None
     """Perceived id of the reference, once grounded."""
     point: tuple[float, float] | None = None
-    """For "back": where the thing was [m], if it is not in the hand any more."""
+    """For "back": where the thing was [m], if it is not in the hand any more; else: where a person wants it."""
     or_aside: bool = False
     """Where there is no bin, out of the way will do ("remove the block")."""
     lane: tuple[int, int] | None = None

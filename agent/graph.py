@@ -10,6 +10,7 @@ from typing import Any, get_args, get_type_hints
 from langgraph.graph import StateGraph
 
 from agent import motions, nodes, routing
+from agent.approve_place import approve_place
 from agent.context import AgentContext
 from agent.simulate import simulate
 from agent.state import State
@@ -36,8 +37,8 @@ def wire(
     for node in (
         nodes.understand, nodes.look, nodes.ground, nodes.retrieve, nodes.build_graph, nodes.constrain, nodes.remove_first,
         nodes.choose, nodes.plan, nodes.look_once_more, nodes.think, nodes.rehearse, motions.approve, motions.act,
-        motions.look_after, motions.observe, motions.set_back, motions.reflect, motions.remember, motions.place, nodes.give_up,
-        nodes.conclude, nodes.answer, simulate,
+        motions.look_after, motions.observe, motions.set_back, motions.reflect, motions.remember, approve_place, motions.place,
+        nodes.give_up, nodes.conclude, nodes.answer, simulate,
     ):  # fmt: skip
         graph.add_node(node.__name__, wrap(node))
     if entry is not None:
@@ -60,7 +61,10 @@ def wire(
     graph.add_edge("set_back", "look_after")
     graph.add_edge("look_after", "observe")
     graph.add_conditional_edges("reflect", routing.after_reflect)
-    graph.add_conditional_edges("remember", routing.after_remember, _through(routing.after_remember, before_motion))
+    graph.add_conditional_edges(
+        "remember", wrap(routing.after_remember), _through(routing.after_remember, before_motion)
+    )
+    graph.add_conditional_edges("approve_place", routing.after_approve_place)
     graph.add_conditional_edges("place", routing.go_on)
     graph.add_conditional_edges("give_up", routing.go_on)
     graph.add_conditional_edges("conclude", routing.go_on)
@@ -72,7 +76,7 @@ def wire(
     return graph
 
 
-MOTIONS = ("act", "approve", "place")
+MOTIONS = ("act", "approve", "place", "approve_place")
 """The nodes with which a motion begins."""
 
 

@@ -71,6 +71,8 @@ def place_words(goal: Goal) -> str:
     placement = goal.placement
     if placement is None:
         return "down"
+    if placement.kind == "aside" and placement.point is not None:
+        return "where you chose"
     if placement.kind == "side":
         return {"middle": "in the middle", "front": "at the front", "back": "at the back"}.get(
             placement.side or "", f"on the {placement.side}"
@@ -222,12 +224,12 @@ def action(plan: Plan, level: int) -> str:
     )
 
 
-def decided(decision: Decision) -> str:
+def decided(decision: Decision, *, motion: str = "grasp") -> str:
     """A person's word."""
     return {
         "approve": "You approved the motion.",
         "reject": "You did not approve the motion.",
-        "edit": "You changed the grasp.",
+        "edit": f"You changed the {motion}.",
         "steer": f"You want it otherwise: {decision.words}.",
     }[decision.verdict]
 
@@ -259,6 +261,23 @@ def no_plan(reason: str) -> str:
 def remembered(last: Attempt) -> str:
     """What goes into the memory."""
     return f"Remembered for {plain(last.target.category)}: {last.plan.grasp.type} grasp of the {last.plan.region}."
+
+
+def putting(goal: Goal, held: Held) -> str:
+    """What is to be put where, as in "put the cup on the left"."""
+    if goal.placement is not None and goal.placement.kind == "hand_over":
+        return f"hand you the {plain(held.category)}"
+    return f"put the {plain(held.category)} {place_words(goal)}"
+
+
+def placing_thought(goal: Goal, held: Held, point: Vec2 | None) -> str:
+    """What a person is told before a placing."""
+    if point is None:
+        return sentence(f"I would {putting(goal, held)}")
+    return (
+        f"I would {putting(goal, held)}: {point[0] * 100:.0f} cm in front of my base, "
+        f"{abs(point[1]) * 100:.0f} cm to your {'right' if point[1] >= 0 else 'left'}."
+    )
 
 
 def placing(goal: Goal, held: Held) -> str:

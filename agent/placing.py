@@ -50,9 +50,12 @@ def place_args(state: State) -> PlaceArgs:
     assert held is not None
     assert percept is not None
     placement = in_robots_words(placement or Placement(kind="aside"))
+    chosen = placement.point if placement.kind != "back" else None
     here = tuple(obj for obj in percept.objects if obj.id != held.object.id)
     percept = percept.model_copy(update={"objects": here})
     x, y = held.object.position[0], held.object.position[1]
+    if chosen is not None:  # by a person, before the motion
+        return PlaceArgs(percept=percept, held=held.plan, object=held.object, kind="point", point=chosen)
     if placement.kind == "lane":
         corners = lane_of(placement.lane or (0, 1))
         middle = ((corners[0][0] + corners[1][0]) / 2, (corners[0][1] + corners[1][1]) / 2)

@@ -27,7 +27,9 @@ def after_understand(state: State) -> Literal["look", "simulate", "conclude", "a
 
 def after_ground(
     state: State, runtime: Run
-) -> Literal["answer", "look", "ground", "place", "conclude", "build_graph", "choose", "retrieve", "plan"]:
+) -> Literal[
+    "answer", "look", "ground", "place", "approve_place", "conclude", "build_graph", "choose", "retrieve", "plan"
+]:
     """Which stage the grounded goal needs next."""
     switches = runtime.context.switches
     if state.refused or not state.agenda:
@@ -43,7 +45,7 @@ def after_ground(
             return "ground"
         return "build_graph" if switches.scene_graph else "choose"
     if state.held is not None and goal.target == state.held.object.id:
-        return "place" if goal.placement is not None else "conclude"
+        return "conclude" if goal.placement is None else _placing(runtime)
     if goal.target is None:
         return "ground"
     if not state.tries() and switches.retrieval != "none":
@@ -107,11 +109,23 @@ def after_reflect(state: State) -> Literal["look", "ground", "answer"]:
     return go_on(state)
 
 
-def after_remember(state: State) -> Literal["place", "look", "ground", "answer"]:
+def after_remember(state: State, runtime: Run) -> Literal["place", "approve_place", "look", "ground", "answer"]:
     """What was taken is put where it is to go."""
     if state.agenda and state.held is not None and state.goal.target == state.held.object.id and state.goal.placement:
-        return "place"
+        return _placing(runtime)
     return go_on(state)
+
+
+def _placing(runtime: Run) -> Literal["place", "approve_place"]:
+    """To the placing, by way of the person who is to be asked first."""
+    return "approve_place" if runtime.context.approve else "place"
+
+
+def after_approve_place(state: State) -> Literal["place", "ground", "answer"]:
+    """Nothing is put down without the person's word; a wish for another place is grounded and asked about again."""
+    if not state.agenda:
+        return "answer"
+    return "place" if state.consent else "ground"
 
 
 def go_on(state: State) -> Literal["look", "ground", "answer"]:

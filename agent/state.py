@@ -102,6 +102,8 @@ class State:
     """The language model's part in this turn."""
     demands: tuple[Demand, ...] = ()
     """What the person said about how to do what is in work."""
+    consent: bool = False
+    """The person has agreed to the placing that comes next."""
     said: str = ""
     """In a conversation: the utterance that is being dealt with; empty in a single run."""
     call: Call | None = None
@@ -175,6 +177,7 @@ class Update(TypedDict, total=False):
     times: dict[str, float] | None
     use: ModelUse | None
     demands: tuple[Demand, ...]
+    consent: bool
     said: str
     call: Call | None
     calls: tuple[Call, ...]

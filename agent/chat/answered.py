@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from agent import events
+from agent import events, phrases
 from agent.attempt import Attempt
 from agent.chat.events import Noted
 from agent.chat.explain import explain
 from agent.chat.hear import hear, thing_instead
 from agent.chat.read_demand import only_demand, plain
+from agent.chat.steer import place_instead
 from agent.language.read_command import understand
 from agent.state import State
 from kb.errors import BadInputError
@@ -47,25 +48,24 @@ def verdict(words: str, state: State) -> dict[str, Any] | None:
 def steers(words: str, state: State) -> bool:
     """Whether the words say how else, what else or where else."""
     line = plain(words)
+    goal = state.goal if state.agenda else None
     try:
         if only_demand(line) is not None:
-            return True
+            return not placing(state)  # how a thing is taken, not how it is put down
     except BadInputError:
         return False
-    goal = state.goal if state.agenda else None
     if goal is None or goal.parent is not None:
         return False
     if thing_instead(line, state) is not None:
         return True
-    got = understand(words)
-    one = got.goals[0] if len(got.goals) == 1 else None
-    place = one is not None and one.placement is not None and one.reference is not None and one.reference.pronoun
-    return goal.kind == "place" and place
+    return goal.kind == "place" and place_instead(words) is not None
 
 
 def about_pending(words: str, state: State, store: Any) -> events.BaseStep:
     """The answer to what is no decision: why this grasp, or that a decision is waited for."""
     calls = hear(words, state) if len(words) < 500 else ()
+    if placing(state):
+        return _about_placing(state, why=any(call.tool == "why" for call in calls))
     if any(call.tool == "why" for call in calls) and state.plan is not None and state.percept is not None:
         target = state.percept.object(state.plan.target)
         proposed = Attempt(
@@ -79,5 +79,26 @@ def about_pending(words: str, state: State, store: Any) -> events.BaseStep:
         return Noted(text=f"{error}. The motion still waits: yes, no, or how else.")
     return Noted(
         text="The motion waits for your word first: yes, no, how else (by the handle, gentler, with 5 N), or why. "
+        "I have done nothing about what you said."
+    )
+
+
+def placing(state: State) -> bool:
+    """Whether what is asked about is a placing: the thing is in the hand already."""
+    return bool(state.agenda) and state.held is not None and state.goal.target == state.held.object.id
+
+
+def _about_placing(state: State, *, why: bool) -> events.BaseStep:
+    """While a placing waits: why there, or what can be answered."""
+    goal, held = state.goal, state.held
+    assert held is not None
+    if why:
+        asked = "you asked me to" if goal.parent is None else "it has to be done before what you asked for"
+        return Noted(
+            text=f"I would {phrases.putting(goal, held)} because {asked}; it is the free place within my reach that "
+            "fits best. The motion still waits: yes, no, or where else."
+        )
+    return Noted(
+        text="The motion waits for your word first: yes, no, where else (put it on the right), or why. "
         "I have done nothing about what you said."
     )

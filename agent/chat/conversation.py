@@ -28,45 +28,35 @@ Rules that a face may rely on:
 
 from __future__ import annotations
 
-import datetime
 import functools
 import queue
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agent.chat.heard import heard
+from agent.chat.questions import Questions
 from agent.chat.session_lock import SessionLock
-from agent.chat.sessions import folder_of, threads_file, write_card
+from agent.chat.sessions import folder_of, threads_file
+from agent.chat.turns import refused
 from agent.conversation import Agent, begin, checked
-from kb.errors import BadInputError, EnvironmentFaultError, RagVlmError
+from kb.errors import BadInputError, RagVlmError
 
 if TYPE_CHECKING:
-    from agent.approval import Proposal
-    from agent.chat.call import ToolName
     from agent.chat.history import Point
     from agent.events import BaseStep
-    from agent.state import State
-    from kb.run_result import RunResult
-    from memory import MemoryItem
 
 
 MAX_STEERING = 500
 """Longest thing said between two steps [characters]; the rest is cut off."""
 
 
-class Conversation:
+class Conversation(Questions):
     """One person, one robot, one scene at a time. Close it, or use it in a `with` statement."""
 
     def __init__(self, agent: Agent, *, folder: Path | None = None, lock: SessionLock | None = None) -> None:
         """Use `open`."""
-        self.agent = agent
-        """The agent with its world: `agent.opened` for pictures, `agent.views` for the last look."""
-        self.folder = folder
-        """Folder of the session (pictures, spans), or None where nothing is kept."""
-        self._lock = lock
-        self._busy = threading.Lock()
+        super().__init__(agent, folder=folder, lock=lock)
         self._mail: queue.SimpleQueue[str] = queue.SimpleQueue()
         agent.context.mail = self._letters
         agent.context.folder = folder
@@ -132,65 +122,6 @@ class Conversation:
         if self._lock is not None:
             self._lock.release()
 
-    # What a face may look at --------------------------------------------------------------------------------------
-
-    @property
-    def asks(self) -> bool:
-        """Whether the person is asked before every motion; may be set at any time."""
-        return self.agent.context.approve
-
-    @asks.setter
-    def asks(self, wanted: bool) -> None:
-        self.agent.context.approve = wanted
-
-    @property
-    def place(self) -> str:
-        """Scene and seed, in words."""
-        return f"scene {self.agent.opened.scene}, seed {self.agent.opened.seed}"
-
-    @property
-    def busy(self) -> bool:
-        """Whether a turn is running."""
-        return self._busy.locked()
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the robot was stopped and not released."""
-        return bool(self.agent.opened.stop.pressed)
-
-    @property
-    def pending(self) -> Proposal | None:
-        """The motion that waits for a person's word, or None; survives a restart."""
-        from agent.approval import Proposal
-
-        waiting = self.agent.waiting
-        return None if waiting is None else Proposal.model_validate(waiting)
-
-    @property
-    def unfinished(self) -> str | None:
-        """What was said in a turn that was cut off (a killed process), or None."""
-        return self.agent.interrupted if self.agent.waiting is None else None
-
-    @property
-    def state(self) -> State:
-        """The state as last saved: percept, attempts, memory, messages, held, ..."""
-        return self.agent.state
-
-    @property
-    def result(self) -> RunResult | None:
-        """Result of the last turn."""
-        return self.agent.result
-
-    @property
-    def messages(self) -> tuple[tuple[str, str], ...]:
-        """The conversation so far: ("person" or "robot", text)."""
-        return tuple(("person" if m.type == "human" else "robot", str(m.content)) for m in self.state.messages)
-
-    @property
-    def memory(self) -> tuple[MemoryItem, ...]:
-        """What worked in this conversation."""
-        return self.state.memory.items
-
     # Speaking -----------------------------------------------------------------------------------------------------
 
     def say(self, text: str) -> Iterator[BaseStep]:
@@ -216,22 +147,12 @@ class Conversation:
         try:
             words = checked(heard(text))
         except RagVlmError as error:
-            yield _refused(error)
+            yield refused(error)
             return
         if self.pending is None:
             yield from self._turn(begin(words))
         else:
             yield from self._answered(words)
-
-    def _answered(self, words: str) -> Iterator[BaseStep]:
-        """What was said while a motion waits: yes, no, how else, or why."""
-        from agent.chat.answered import about_pending, verdict
-
-        said = verdict(words, self.state)
-        if said is not None:
-            yield from self.decide(said)
-        else:
-            yield about_pending(words, self.state, self.agent.context.tools.store)
 
     def steer(self, text: str) -> None:
         """Something said while the robot works: heard before the next motion; a plain "stop" stops at once."""
@@ -260,105 +181,9 @@ class Conversation:
         """Goes on with the turn that was cut off."""
         yield from self._turn(None)
 
-    def approve(self) -> Iterator[BaseStep]:
-        """Lets the pending motion happen."""
-        yield from self.decide({"verdict": "approve"})
-
-    def reject(self) -> Iterator[BaseStep]:
-        """Refuses the pending motion."""
-        yield from self.decide({"verdict": "reject"})
-
-    def edit(self, **changes: Any) -> Iterator[BaseStep]:
-        """Lets the pending motion happen with other numbers: fields of `kb.grasp.Grasp`, within the hand's limits."""
-        from pydantic import ValidationError
-
-        from kb.grasp import Grasp
-
-        waiting = self.pending
-        if waiting is None:
-            yield _refused(BadInputError("nothing waits for approval", where="edit"))
-            return
-        try:
-            unknown = set(changes) - set(Grasp.model_fields)
-            if unknown:
-                raise BadInputError(f"a grasp has no {min(unknown)!r}", where="edit", choices=Grasp.model_fields)
-            grasp = Grasp.model_validate({**waiting.plan.grasp.model_dump(), **changes})
-        except ValidationError as error:
-            first = error.errors()[0]
-            yield _refused(BadInputError(str(first["msg"]), where=str(first["loc"][0])))
-            return
-        except BadInputError as error:
-            yield _refused(error)
-            return
-        yield from self.decide({"verdict": "edit", "grasp": grasp.model_dump(mode="json")})
-
-    def decide(self, decision: dict[str, Any]) -> Iterator[BaseStep]:
-        """The person's word on the pending motion, as plain data of `agent.approval.Decision`."""
-        from langgraph.types import Command
-
-        if self.agent.waiting is None:
-            yield _refused(BadInputError("nothing waits for approval", where="approval"))
-            return
-        yield from self._turn(Command(resume=decision))
-
-    # Questions about what was done --------------------------------------------------------------------------------
-
-    def why(self, attempt: int | None = None) -> Iterator[BaseStep]:
-        """Why a grasp was chosen (`Explained`): of the attempt of that number, or the last."""
-        yield from self._use("why", "why", {} if attempt is None else {"attempt": attempt})
-
-    def compare(self, first: int | None = None, second: int | None = None) -> Iterator[BaseStep]:
-        """Two attempts side by side (`Compared`), by their numbers (`state.attempts[i].number`); the last two by default."""
-        given = {"first": first, "second": second}
-        yield from self._use("compare", "compare", {k: v for k, v in given.items() if v is not None})
-
-    def whatif(self, attempt: int | None = None, **changes: Any) -> Iterator[BaseStep]:
-        """Simulates an attempt otherwise, from the saved moment before it (`WhatIf`); the world stays as it is.
-
-        Args:
-            attempt: Number of the attempt; the last by default.
-            changes: force [N], aperture [m], yaw [rad], speed, type, approach ("top", "tilted", "side"), region,
-                candidate (a name, or "other").
-        """
-        from agent.chat.whatif import check_changes
-
-        try:
-            check_changes(changes)
-        except RagVlmError as error:
-            yield _refused(error)
-            return
-        said = " ".join(f"{name}={value}" for name, value in changes.items())
-        values = changes if attempt is None else {**changes, "attempt": attempt}
-        yield from self._use("whatif", f"what if {said}", values)
-
-    def remember(self) -> Iterator[BaseStep]:
-        """Keeps what worked last for every later conversation."""
-        yield from self._use("remember", "remember that", {})
-
-    def forget(self, category: str | None = None) -> Iterator[BaseStep]:
-        """Drops what was kept for later conversations, of a category or all."""
-        yield from self._use("forget", "forget what you remember", {} if category is None else {"category": category})
-
-    def recall(self) -> Iterator[BaseStep]:
-        """Says what is remembered of this conversation and for good."""
-        yield from self._use("recall", "what do you remember", {})
-
-    def report(self) -> Iterator[BaseStep]:
-        """Says what was done in this conversation."""
-        yield from self._use("report", "report", {})
-
     def undo(self) -> Iterator[BaseStep]:
         """Puts back what was taken or moved last."""
         yield from self.say("undo")
-
-    def _use(self, tool: ToolName, words: str, values: dict[str, Any]) -> Iterator[BaseStep]:
-        from agent.chat.call import Call
-
-        if self.pending is not None:
-            yield from self._answered(words)
-            return
-        call = Call(tool=tool, words=words, values=values)
-        yield from self._turn({**begin(words), "calls": (call,)})
 
     # Where in the conversation, and where in the world -----------------------------------------------------------
 
@@ -392,7 +217,7 @@ class Conversation:
         from agent.chat.events import Noted
 
         if not self._busy.acquire(blocking=False):
-            yield _refused(BadInputError("I am busy; stop me first", where="scene"))
+            yield refused(BadInputError("I am busy; stop me first", where="scene"))
             return
         context = self.agent.context
         try:
@@ -402,7 +227,7 @@ class Conversation:
             self._note()
             yield Noted(text=f"I am in {self.place} now.")
         except RagVlmError as error:
-            yield _refused(error)
+            yield refused(error)
         finally:
             self._busy.release()
 
@@ -414,70 +239,3 @@ class Conversation:
         if state.scene and (state.scene, state.seed) != (context.scene, context.seed):
             enter(context, state.scene, state.seed, self.agent.perception)
         context.world.at(state.world)
-
-    # Stopping -----------------------------------------------------------------------------------------------------
-
-    def stop(self) -> None:
-        """Stops the robot at once and latches: nothing moves until `release`. From any thread, at any time."""
-        self.agent.stop()
-
-    def release(self) -> None:
-        """Lets the robot move again; nothing moves by itself after that."""
-        self.agent.release()
-
-    # Running ------------------------------------------------------------------------------------------------------
-
-    def _turn(self, entry: Any) -> Iterator[BaseStep]:
-        """Runs the graph until the turn ends or waits."""
-        from agent.chat.events import Asked, Finished, Stopped
-
-        if not self._busy.acquire(blocking=False):
-            yield _refused(BadInputError("I am busy; stop me or steer", where="conversation"))
-            return
-        try:
-            begun = self.agent.context.clock()
-            yield from self.agent.steps(entry)
-            waiting = self.pending
-            if waiting is not None:
-                self._note()
-                yield Asked(
-                    text="May I do this?",
-                    goal=waiting.goal,
-                    plan=waiting.plan,
-                    thought=waiting.thought,
-                    clearance=waiting.clearance,
-                )
-                return
-            result = self.agent.conclude(self.agent.context.clock() - begun)
-            self._note()
-            if self.stopped:
-                yield Stopped(text="I am stopped and hold still; nothing moves until you release me (/release).")
-            yield Finished(text=result.answer, result=result)
-        except RagVlmError as error:
-            yield _refused(error)
-        finally:
-            self._busy.release()
-
-    def _note(self) -> None:
-        """Writes the session's card for the list; that it cannot be written is no reason to lose the turn."""
-        if self.folder is None:
-            return
-        state = self.state
-        card = {
-            "scene": state.scene,
-            "seed": state.seed,
-            "turns": state.turn + 1,
-            "last": state.instruction[:200],
-            "updated": datetime.datetime.now().isoformat(timespec="seconds"),
-        }
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            write_card(self.folder, card)
-        except OSError:
-            return
-
-
-def _refused(error: RagVlmError) -> BaseStep:
-    from agent.chat.events import Refused
-
-    return Refused(text=str(error), code=3 if isinstance(error, EnvironmentFaultError) else 2)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from agent.events import BaseStep
-from kb.base import Noun
+from kb.base import Noun, Vec2
 from kb.run_result import RunResult
 from kb.sensing import Plan
 from kb.vocabulary import FailureType
@@ -27,8 +27,12 @@ class Asked(BaseStep):
 
     kind: Literal["asked"] = "asked"
     plan: Plan
+    """The grasp; of a placing the one with which the thing is held."""
     thought: str = ""
     clearance: float = 0.0
+    motion: Literal["grasp", "place"] = "grasp"
+    point: Vec2 | None = None
+    """Where it would be put down [m], if that can be changed."""
 
 
 class Heeded(BaseStep):

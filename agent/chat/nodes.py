@@ -228,7 +228,9 @@ def after_next_call(state: State) -> NextNode:
     return "understand" if state.call.tool == "task" else TOOLS[state.call.tool].__name__
 
 
-def after_heed(state: State, runtime: Run) -> Literal["answer", "look", "ground", "plan", "place", "approve", "act"]:
+def after_heed(
+    state: State, runtime: Run
+) -> Literal["answer", "look", "ground", "plan", "place", "approve_place", "approve", "act"]:
     """To the motion, unless the person's word or a stop has changed what is to be done."""
     if state.refused or not state.agenda:
         return "answer"
@@ -236,7 +238,7 @@ def after_heed(state: State, runtime: Run) -> Literal["answer", "look", "ground"
         return "look"
     goal = state.goal
     if state.held is not None and goal.target == state.held.object.id and goal.placement is not None:
-        return "place"
+        return "approve_place" if runtime.context.approve else "place"
     if goal.target is None:
         return "ground"
     if state.plan is None:

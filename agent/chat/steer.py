@@ -11,7 +11,7 @@ from agent.chat.events import Heeded, Noted
 from agent.chat.hear import hear, merged_demands, relative, thing_instead
 from agent.chat.read_demand import only_demand, plain
 from agent.context import AgentContext
-from agent.goal import Goal, Reference
+from agent.goal import Goal, Placement, Reference
 from agent.ground import destination, scope_of
 from agent.language.read_command import understand
 from agent.language.read_reference import is_reference, read_reference
@@ -23,6 +23,10 @@ SPARE = re.compile(
     r"^(?:no ,? ?|but |and |please |wait ,? ?)*(?:not|leave|keep|skip|spare|except|without|but not|do not (?:take|touch|move|clear|sort))"
     r" (?P<what>.+?)(?: alone| there| where (?:it|they) (?:is|are)| as (?:it|they) (?:is|are)| please| out)*$"
 )
+AROUND_A_PLACE = re.compile(
+    r"^(?:(?:no|nope|not there|not that|wait|but|and|please|rather|better|instead)(?: ,)? )+|(?: ,)?(?: (?:instead|rather|please))+$"
+)
+"""What may stand around another place."""
 STOPPED = "I am stopped. Nothing moves until you release me (/release)."
 
 
@@ -99,18 +103,22 @@ def _spare(state: State, words: str, context: AgentContext) -> Update | None:
 
 def _place(state: State, words: str, context: AgentContext) -> Update | None:
     """For "no, put it on the left": another place for what is taken or to be taken."""
-    got = understand(f"put it {words}" if not words.lower().startswith(("put", "place", "no")) else words)
-    goal = state.goal
-    if len(got.goals) != 1 or got.goals[0].placement is None or goal.kind != "place" or goal.parent is not None:
+    goal, wanted = state.goal, place_instead(words)
+    if wanted is None or goal.kind != "place" or goal.parent is not None:
         return None
-    wanted = got.goals[0]
-    if wanted.reference is None or not wanted.reference.pronoun:
-        return None
-    placement, problem = destination(wanted.placement, scope_of(state))
+    placement, problem = destination(wanted, scope_of(state))
     if problem is not None:
         raise BadInputError(problem.rstrip("."), where="placement")
     context.emit(Heeded(text=f"Another place: {words}.", goal=state.current, words=words, demand={}))
     return Update(goals=changed(state, goal.model_copy(update={"placement": placement})))
+
+
+def place_instead(words: str) -> Placement | None:
+    """The other place that "no, on the right" or "put it next to the vase instead" speaks of."""
+    line = AROUND_A_PLACE.sub("", plain(words).strip(" ,.;"))
+    got = understand(line if line.startswith(("put ", "place ", "set ", "move ")) else f"put it {line}")
+    one = got.goals[0] if len(got.goals) == 1 else None
+    return one.placement if one is not None and one.reference is not None and one.reference.pronoun else None
 
 
 def _no_more(words: str) -> bool:

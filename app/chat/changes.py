@@ -15,6 +15,8 @@ NUMBERS: dict[str, tuple[tuple[str, float], ...]] = {
     "standoff": (("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("", 1e-3)),
     "yaw": (("deg", math.pi / 180), ("rad", 1.0), ("°", math.pi / 180), ("", math.pi / 180)),
     "speed": (("", 1.0),),
+    "x": (("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("", 1e-3)),
+    "y": (("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("", 1e-3)),
     "attempt": (("", 1.0),),
 }
 """Field -> units and their factors to SI; without a unit the last one counts. Lengths are in mm, angles in degrees."""

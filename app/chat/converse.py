@@ -92,11 +92,9 @@ def _greet(conversation: Conversation, printer: ChatPrinter, *, told: bool) -> N
     pending, unfinished = conversation.pending, conversation.unfinished
     if pending is not None:
         grasp = pending.plan.grasp
-        printer.say(
-            f'a motion waits for your word: "{pending.instruction}", {grasp.type} grasp of the {pending.plan.region} with '
-            f"{grasp.force:.1f} N: yes, no, or how else",
-            "yellow",
-        )
+        what = f"{grasp.type} grasp of the {pending.plan.region} with {grasp.force:.1f} N"
+        what = pending.words if pending.motion == "place" else what
+        printer.say(f'a motion waits for your word: "{pending.instruction}", {what}: yes, no, or how else', "yellow")
     elif unfinished is not None:
         printer.say(f'"{unfinished}" was cut off; /resume goes on with it', "yellow")
 

@@ -22,6 +22,9 @@ LABELS: dict[str, tuple[str, str]] = {
     "refused": ("Error", "bold red"),
 }
 """Kind of event -> what stands in front of it, and how."""
+HOW_TO_ANSWER_A_PLACING = (
+    "yes, no, where else (put it on the right), why, or /edit x=450 y=-100 (mm from the robot's base)"
+)
 HOW_TO_ANSWER = "yes, no, how else (by the handle, gentler, with 5 N), why, or /edit force=5"
 
 
@@ -58,7 +61,8 @@ class ChatPrinter:
         label, style = LABELS[event.kind]
         first, *rest = inert(event.text).splitlines() or [""]
         if event.kind == "asked":
-            rest = [HOW_TO_ANSWER]
+            place = event.motion == "place"
+            rest = [*([event.thought] if place else []), HOW_TO_ANSWER_A_PLACING if place else HOW_TO_ANSWER]
         if event.kind == "whatif" and event.pictures is not None:
             rest = [*rest, f"both endings side by side: {event.pictures}"]
         line = Text(f"{label:<{WIDTH}}", style=style)

@@ -11,7 +11,8 @@ COMMANDS: dict[str, str] = {
     "/scene [NAME|FILE] [SEED]": "another scene (what was said and learnt stays), or what is seen now",
     "/approve [on|off]": "ask before every motion or not; alone: let the waiting motion happen",
     "/reject": "do not do the motion that waits",
-    "/edit FIELD=VALUE ...": "do it with other numbers: force [N], aperture [mm], yaw [deg], standoff [mm], speed",
+    "/edit FIELD=VALUE ...": "do it with other numbers: force [N], aperture [mm], yaw [deg], standoff [mm], speed; "
+    "of a placing x and y [mm] from the robot's base",
     "/why [ATTEMPT]": "why a grasp was chosen: every number with its source, and what was rejected",
     "/whatif CHANGE ...": "simulate the last grasp otherwise: force=4 type=pinch yaw=30 approach=side aperture=60 "
     "region=rim candidate=other attempt=2",

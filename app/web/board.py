@@ -133,7 +133,7 @@ class Board:
     # Steps of the conversation ------------------------------------------------------------------------------------
 
     def _on_asked(self, step: Any) -> None:
-        self.pending(step.plan, step.thought)
+        self.pending(step)
 
     def _on_finished(self, step: Any) -> None:
         result = step.result
@@ -152,11 +152,18 @@ class Board:
 
     # Between steps ------------------------------------------------------------------------------------------------
 
-    def pending(self, plan: Any, thought: str) -> None:
-        """The motion that waits for a person's word."""
-        self.put("plan", plan_panel(plan, self.name(plan.target)))
-        grasp = plan.grasp.model_dump(mode="json")
-        self.put("pending", {"grasp": grasp, "thought": thought, "target": self.name(plan.target)})
+    def pending(self, asked: Any) -> None:
+        """The motion that waits for a person's word: a proposal, or the step that tells of it; with what can be changed."""
+        plan, place = asked.plan, asked.motion == "place"
+        if place:
+            numbers = {} if asked.point is None else dict(zip(("x", "y"), asked.point, strict=True))
+            question = asked.text if hasattr(asked, "text") else asked.question
+        else:
+            self.put("plan", plan_panel(plan, self.name(plan.target)))
+            grasp = plan.grasp.model_dump(mode="json")
+            numbers = {name: grasp[name] for name in ("force", "aperture", "yaw", "standoff", "speed")}
+            question = f"May I grasp the {self.name(plan.target)}?"
+        self.put("pending", {"question": question, "numbers": numbers, "thought": asked.thought})
 
     def forces(self, rows: Sequence[dict[str, Any]]) -> None:
         """The forces sensed so far in the running motion, for the last attempt on the timeline. From any thread."""

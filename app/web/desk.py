@@ -104,8 +104,9 @@ class Desk:
         self.board.restore(talk.state)
         self.board.remembered(talk.memory)
         if talk.pending is not None:
-            self.board.pending(talk.pending.plan, talk.pending.thought)
-            self.view.candidates(candidates_of(talk.pending.plan))
+            self.board.pending(talk.pending)
+            if talk.pending.motion == "grasp":
+                self.view.candidates(candidates_of(talk.pending.plan))
 
     def hello(self) -> dict[str, Any]:
         """Everything a page needs that opens now."""
@@ -266,7 +267,7 @@ class Desk:
         elif step.kind == "graphed":
             self.pictures.relate(step.graph, (self.board.parts["look"] or {}).get("target"))
         elif step.kind in ("planned", "asked", "action"):
-            if step.plan is not None:
+            if step.plan is not None and getattr(step, "motion", "grasp") != "place":
                 self.view.candidates(candidates_of(step.plan))
         elif step.kind in ("observation", "finished", "refused"):
             self.view.candidates(())

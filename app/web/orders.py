@@ -40,7 +40,7 @@ class Plain(Noun):
 
 
 class Edit(Noun):
-    """The pending motion with other numbers; limits are the hand's."""
+    """The pending motion with other numbers; limits are the hand's, for a placing (x, y) the table's."""
 
     type: Literal["edit"]
     force: Force | None = None
@@ -48,6 +48,8 @@ class Edit(Noun):
     yaw: Annotated[Finite, Field(ge=-6.3, le=6.3)] | None = None
     standoff: Annotated[float, Field(ge=0.02, le=0.20)] | None = None
     speed: Annotated[float, Field(ge=0.1, le=1.0)] | None = None
+    x: Annotated[float, Field(ge=0.30, le=0.75)] | None = None
+    y: Annotated[float, Field(ge=-0.35, le=0.35)] | None = None
 
 
 class Asks(Noun):

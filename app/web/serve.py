@@ -108,6 +108,7 @@ class Site:
 
 def offers() -> dict[str, Any]:
     """What a page can choose from."""
+    from agent.approval import PLACE_LIMITS
     from agent.chat.sessions import list_sessions
     from app.catalogue_rows import catalogue_rows
     from kb.grasp import MAX_APERTURE, MAX_FORCE, MIN_FORCE
@@ -122,7 +123,7 @@ def offers() -> dict[str, Any]:
     except EnvironmentFaultError:
         sessions = []
     limits = {"force": [MIN_FORCE, MAX_FORCE], "aperture": [0.0, MAX_APERTURE], "standoff": [0.02, 0.2],
-              "speed": [0.1, 1.0], "yaw": [-3.1416, 3.1416]}  # fmt: skip
+              "speed": [0.1, 1.0], "yaw": [-3.1416, 3.1416], **PLACE_LIMITS}  # fmt: skip
     return {"scenes": scenes, "models": [row["model"] for row in catalogue_rows()], "sessions": sessions,
             "limits": limits}  # fmt: skip
 

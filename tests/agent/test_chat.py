@@ -157,6 +157,30 @@ def test_approval_waits_and_is_steered() -> None:
         assert "refused" in events(talk.approve())
 
 
+def test_a_placing_is_approved_too() -> None:
+    """Nothing is put down without the word: the place is told, questions wait, another place or point is asked about."""
+    with opened("single_cube", asks=True) as talk:
+        assert events(talk.say("put the cube on the left"))["asked"].motion == "grasp"
+        asked = events(talk.approve())["asked"]
+        assert (asked.motion, asked.text) == ("place", "May I put the cube on the left?")
+        assert asked.point[1] < -0.05  # the person's left is the robot's right
+        motions = talk.agent.opened.motions
+        assert "because you asked" in events(talk.say("why?"))["noted"].text
+        assert "noted" in events(talk.say("gentler"))
+        assert events(talk.say("no, on the right"))["asked"].point[1] > 0.05
+        assert events(talk.edit(x=2.0))["refused"].code == 2
+        assert events(talk.edit(force=5.0))["refused"].code == 2
+        assert talk.agent.opened.motions == motions
+        done = events(talk.edit(x=0.45, y=0.1))
+        assert done["finished"].result.success
+        assert done["observation"].sensing.aimed_at == pytest.approx((0.45, 0.1), abs=0.02)
+        events(talk.say("pick up the cube"))
+        events(talk.approve())
+        assert events(talk.undo())["asked"].motion == "place"
+        assert not events(talk.reject())["finished"].result.success
+        assert talk.state.held is not None
+
+
 def test_steering_is_heard_before_the_next_motion() -> None:
     """A word that comes while the robot works changes the grasp; something else is done afterwards."""
     with opened() as talk:

@@ -53,6 +53,23 @@ def test_an_edit_is_kept_and_bounded(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert PROPOSAL["plan"]["grasp"]["force"] == 10.0
 
 
+PLACING = {**PROPOSAL, "motion": "place", "words": "put the cup on the left", "thought": "There.", "point": [0.5, -0.2]}
+
+
+def test_a_placing_is_asked_about_with_its_place(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The place may be changed within the table, the grasp may not; where nothing can be chosen only yes and no count."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("force=3\nx=2\nx=0.6\ny\n"))
+    assert ask(PLACING) == {"verdict": "edit", "point": (0.6, -0.2)}
+    told = capsys.readouterr().err
+    assert "may I put the cup on the left?" in told
+    assert "valid: y, n, x=VALUE, y=VALUE" in told
+    assert "x: 2 m is off the table (valid: 0.3 to 0.75)" in told
+    monkeypatch.setattr("sys.stdin", io.StringIO("x=0.6\ny\n"))
+    assert ask({**PLACING, "point": None}) == {"verdict": "approve"}
+
+
 @pytest.mark.parametrize("word", ["force", "force=", "force=much", "colour=red", "=3", "force=1=2"])
 def test_malformed_edits_are_bad_input(word: str) -> None:
     """Each is one line, not a traceback."""

@@ -41,22 +41,22 @@ export function showTranscript(entries) {
 }
 
 // Field, label, digits, scale to what is shown.
-const FIELDS = [["force", "force N", 1, 1], ["aperture", "open mm", 0, 1000], ["yaw", "yaw °", 0, 180 / Math.PI], ["standoff", "start mm", 0, 1000], ["speed", "speed", 2, 1]];
+const FIELDS = [["force", "force N", 1, 1], ["aperture", "open mm", 0, 1000], ["yaw", "yaw °", 0, 180 / Math.PI], ["standoff", "start mm", 0, 1000], ["speed", "speed", 2, 1], ["x", "x mm", 0, 1000, "from the robot's base"], ["y", "y mm", 0, 1000, "to the robot's left"]];
 
 export function showApproval(pending, limits, mayAct, send) {
   const box = $("approval");
   box.hidden = !pending;
   if (!pending) return;
-  const inputs = FIELDS.map(([field, label, digits, scale]) => {
+  const inputs = FIELDS.filter(([field]) => field in pending.numbers).map(([field, label, digits, scale, where]) => {
     const [low, high] = (limits[field] ?? [-1e3, 1e3]).map((value) => value * scale);
-    const shown = Number((pending.grasp[field] * scale).toFixed(digits));
-    const hint = `${Number(low.toFixed(digits))} to ${Number(high.toFixed(digits))}`;
+    const shown = Number((pending.numbers[field] * scale).toFixed(digits));
+    const hint = `${Number(low.toFixed(digits))} to ${Number(high.toFixed(digits))}${where ? `, ${where}` : ""}`;
     const input = h("input", { type: "number", name: field, step: "any", min: Math.floor(low * 100) / 100, max: Math.ceil(high * 100) / 100, value: shown, title: hint, required: true, disabled: !mayAct });
     return [field, scale, shown, input, label];
   });
   const yes = h("button", { type: "submit", class: "yes", disabled: !mayAct }, "Approve");
   const changed = () => inputs.filter(([, , was, input]) => Number(input.value) !== was);
-  fill(box, h("h2", {}, `May I grasp the ${pending.target}?`), h("p", { class: "why" }, pending.thought),
+  fill(box, h("h2", {}, pending.question), h("p", { class: "why" }, pending.thought),
     h("div", { class: "numbers" }, ...inputs.map(([, , , input, label]) => h("label", {}, label, input))),
     h("div", { class: "row" }, yes, h("button", { type: "button", class: "no", disabled: !mayAct, onclick: () => send({ type: "reject" }) }, "Reject")));
   box.oninput = () => { yes.textContent = changed().length ? "Approve with my numbers" : "Approve"; };
