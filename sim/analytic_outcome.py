@@ -7,7 +7,7 @@ constraint is violated (ledger G15 to G17). Always to be shown beside the physic
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 import numpy as np
@@ -19,7 +19,7 @@ from kb.vocabulary import FailureType
 from sim.footprint import geom_points
 from sim.hand import hand_boxes, swept_least
 from sim.local_width import local_width, region_distance
-from sim.placed import PlacedObject
+from sim.placed import Geom, PlacedObject
 from sim.pose import Array, point_in_body, rotation_of
 from sim.quality import REACH_ERROR, Circumstances, Subject, failure_of, grade
 from sim.reach import Unreachable
@@ -74,6 +74,7 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
     if isinstance(reach, Unreachable):
         return Outcome(gripped=None, failure="UNREACHABLE_POSE", **base)
     movable = [thing for thing in world.placed.objects if not thing.fixed]
+    mujoco.mj_kinematics(world.model, world.data)
     widths = {thing.id: _width(world, thing, grasp) for thing in movable}
     between = [thing for thing in movable if widths[thing.id] > 0.0]
     thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
@@ -115,8 +116,24 @@ def cloud(world: World, thing: PlacedObject) -> Array:
     """Points on and in an object where it is now [m], (N, 3), at most about 2 cm apart on its pieces."""
     address = world.index.objects[thing.id].qpos
     pose = np.array([*thing.position, *thing.quaternion]) if address is None else world.data.qpos[address]
-    local = np.vstack([_filled(geom_points(geom)) for geom in thing.geoms])
-    return local @ rotation_of(pose[3:]).T + pose[:3]
+    return _local_cloud(thing.geoms) @ rotation_of(pose[3:]).T + pose[:3]
+
+
+def _local_cloud(geoms: tuple[Geom, ...]) -> Array:
+    """The points of an object in its own frame (N, 3) [m]; the same pieces are asked for at every grasp of a trial."""
+    known = _clouds.get(id(geoms))
+    if known is None or known[0] is not geoms:
+        known = geoms, np.vstack([_filled(geom_points(geom)) for geom in geoms])
+        while len(_clouds) >= KEPT:
+            _clouds.pop(next(iter(_clouds)), None)
+        _clouds[id(geoms)] = known
+    return known[1]
+
+
+KEPT = 32
+"""Objects whose points are kept: more than a scene has."""
+_clouds: dict[int, tuple[tuple[Geom, ...], Array]] = {}
+"""Identity of an object's pieces -> the pieces themselves, which keep their identity their own, and the points."""
 
 
 def _filled(corners: Array) -> Array:
@@ -130,9 +147,8 @@ def _filled(corners: Array) -> Array:
 
 
 def _width(world: World, thing: PlacedObject, grasp: Grasp) -> float:
-    geoms = world.index.objects[thing.id].geoms
-    data: Any = world.data
-    mujoco.mj_kinematics(world.model, data)
+    """Width between the pads [m]; the positions of the geoms must be up to date."""
+    geoms, data = world.index.objects[thing.id].geoms, cast(Any, world.data)
     return local_width(world.model, data, geoms, grasp.position, grasp.rotation(), grasp.aperture)
 
 

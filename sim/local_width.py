@@ -47,12 +47,15 @@ def local_width(
     if not geoms:
         return 0.0
     axis = np.ascontiguousarray(rotation[:, 1])
-    for across in PAD_HALF:
-        for along in PAD_HALF:
-            middle = np.asarray(position, float) + across * rotation[:, 0] + along * rotation[:, 2]
-            for start, end in _pieces(model, data, geoms, middle, axis):
-                if start < opening / 2 and end > -opening / 2:
-                    low, high = min(low, start), max(high, end)
+    middles = [
+        np.asarray(position, float) + across * rotation[:, 0] + along * rotation[:, 2]
+        for across in PAD_HALF
+        for along in PAD_HALF
+    ]
+    for middle, near in zip(middles, _met(model, data, geoms, np.array(middles), axis), strict=True):
+        for start, end in _pieces(model, data, near, middle, axis):
+            if start < opening / 2 and end > -opening / 2:
+                low, high = min(low, start), max(high, end)
     return float(max(0.0, high - low)) if high > low else 0.0
 
 
@@ -64,6 +67,18 @@ def _near(
     radii = model.geom_rbound[list(geoms)]
     away = np.linalg.norm(data.geom_xpos[list(geoms)] - position, axis=1)
     return [geom for geom, keep in zip(geoms, (radii <= 0.0) | (away <= radii + reach), strict=True) if keep]
+
+
+def _met(
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int], middles: Array, axis: Array
+) -> list[list[int]]:
+    """For each line (L, 3) along `axis` the geoms whose bounding sphere it meets; it misses all others."""
+    radii = model.geom_rbound[list(geoms)]
+    offset = data.geom_xpos[list(geoms)] - middles[:, None]
+    along = offset @ axis
+    beside = np.einsum("lgi,lgi->lg", offset, offset) - along * along
+    met = (radii <= 0.0) | (beside <= (radii + 1e-6) ** 2)
+    return [[geom for geom, keep in zip(geoms, row, strict=True) if keep] for row in met.tolist()]
 
 
 def _pieces(

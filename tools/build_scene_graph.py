@@ -82,10 +82,9 @@ def relation_graph(percept: Percept, target: str | None = None, *, by_centre: bo
         graph.add_node(obj.id, node=_node(obj))
     for i, one in enumerate(objects):
         for other in objects[i + 1 :]:
-            gap = (
-                math.dist(one.position, other.position) if by_centre else surface_gap(solids[one.id], solids[other.id])
-            )
-            touching = surface_gap(solids[one.id], solids[other.id]) < TOUCH
+            between = surface_gap(solids[one.id], solids[other.id])
+            gap = math.dist(one.position, other.position) if by_centre else between
+            touching = between < TOUCH
             _relate_pair(graph, one, other, solids, gap, touching)
             _relate_pair(graph, other, one, solids, gap, touching)
     for obj in objects:

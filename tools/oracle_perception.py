@@ -6,7 +6,7 @@ It is the only perceiver that may import the scene's truth; poses come from the 
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,8 @@ from tools.perception.upright_box import UprightBox, box_at, smallest_yaw
 from tools.sample_solids import box_points, hull_points, rotation_of, sphere_points, tube_points
 
 Array = NDArray[np.float64]
+K = TypeVar("K")
+V = TypeVar("V")
 
 POINTS_PER_OBJECT = 1500
 """Surface samples per object before hidden ones are dropped; `pack_surface` keeps at most 600."""
@@ -60,6 +62,8 @@ class OraclePerceiver:
         self._world = world
         self._embedder = embedder
         self._shapes = {obj.id: _surface_in_object(obj, points) for obj in world.placed.objects if not obj.fixed}
+        self._boxes: dict[tuple[str, bytes], UprightBox] = {}
+        self._seen: dict[bytes, tuple[tuple[RgbdView, ...], list[PerceivedObject]]] = {}
 
     def surfaces(self) -> dict[str, Array]:
         """Samples of each object's true surface now (N, 3), world frame, by scene id."""
@@ -70,10 +74,29 @@ class OraclePerceiver:
         """All free objects of the world; `views` serve the visual embedding and the visible fraction only."""
         placed = [obj for obj in self._world.placed.objects if not obj.fixed]
         poses = {obj.id: self._pose(obj.id) for obj in placed}
-        surfaces = self.surfaces()
-        boxes = {obj.id: true_box(obj, surfaces[obj.id], poses[obj.id][1]) for obj in placed}
-        seen = [self._describe(obj, poses[obj.id], surfaces, boxes, views) for obj in placed]
+        seen = self._described(placed, poses, views)
         return Percept(look=args.look, perception="oracle", objects=track_ids(seen, args.previous))
+
+    def _described(
+        self, placed: list[PlacedObject], poses: dict[str, tuple[Array, Array]], views: tuple[RgbdView, ...]
+    ) -> list[PerceivedObject]:
+        """All objects; without an embedder the same poses in the same views give the same, so that it is kept."""
+        key = b"".join(value.tobytes() for pose in poses.values() for value in pose)
+        known = self._seen.get(key)
+        if known is not None and known[0] is views:
+            return known[1]
+        surfaces = self.surfaces()
+        boxes = {obj.id: self._box(obj, surfaces[obj.id], poses[obj.id]) for obj in placed}
+        seen = [self._describe(obj, poses[obj.id], surfaces, boxes, views) for obj in placed]
+        if self._embedder is None:
+            _keep(self._seen, key, (views, seen))
+        return seen
+
+    def _box(self, obj: PlacedObject, surface_w: Array, pose: tuple[Array, Array]) -> UprightBox:
+        """`true_box`, kept while the object stands where it stood."""
+        key = obj.id, pose[0].tobytes() + pose[1].tobytes()
+        known = self._boxes.get(key)
+        return _keep(self._boxes, key, true_box(obj, surface_w, pose[1])) if known is None else known
 
     def _pose(self, object_id: str) -> tuple[Array, Array]:
         """True position (3,) [m] and rotation object-to-world (3, 3) now."""
@@ -135,6 +158,18 @@ class OraclePerceiver:
         if not mask.any():
             return ()
         return tuple(float(value) for value in self._embedder.embed(front.rgb, mask, front.depth))
+
+
+KEPT = 64
+"""Looks, and boxes of objects, that are kept."""
+
+
+def _keep(known: dict[K, V], key: K, value: V) -> V:
+    """Keeps a value in place of the oldest one."""
+    while len(known) >= KEPT:
+        known.pop(next(iter(known)))
+    known[key] = value
+    return value
 
 
 def true_box(obj: PlacedObject, surface_w: Array, rotation: Array) -> UprightBox:

@@ -89,8 +89,8 @@ def approach_class(tilt: float) -> ApproachClass:
 
 def vec3(values: Array | tuple[float, ...] | list[float]) -> Vec3:
     """Three floats as a plain tuple."""
-    x, y, z = (float(value) for value in values)
-    return x, y, z
+    x, y, z = values.tolist() if isinstance(values, np.ndarray) else values
+    return float(x), float(y), float(z)
 
 
 def horizontal(azimuth: float) -> Array:

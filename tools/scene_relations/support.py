@@ -68,10 +68,8 @@ def is_inside(inner: Solid, outer: Solid, outer_object: PerceivedObject) -> bool
     Two things cannot be in one place: an unknown thing that holds nearly the whole footprint of another one must be
     hollow, whatever it looks like.
     """
+    if not outer.low + SAME_GROUND <= inner.low <= outer.high - INSIDE_DEPTH or breadth(inner) >= breadth(outer):
+        return False
     share = overlap_share(inner, outer)
     must_be_hollow = outer_object.category == UNKNOWN_CATEGORY and share >= CERTAIN_OVERLAP
-    return (
-        (must_be_hollow or (is_hollow(outer_object) and share >= INSIDE_OVERLAP))
-        and breadth(inner) < breadth(outer)
-        and outer.low + SAME_GROUND <= inner.low <= outer.high - INSIDE_DEPTH
-    )
+    return must_be_hollow or (is_hollow(outer_object) and share >= INSIDE_OVERLAP)
