@@ -78,7 +78,9 @@ def line_of(row: BrainSpeed) -> str:
         return f"{head}cannot be measured here: {row.fault}"
     ratio = f"{row.ratio:.2f} of FP16" if row.ratio is not None else "no FP16 to compare with"
     return (
-        f"{head}{row.tokens_per_s:7.1f} tokens/s ({ratio}), first token {row.first_token_s * 1000:.0f} ms, "
+        f"{head}{row.tokens_per_s:7.1f} tokens/s ({ratio}), "
+        f"first token {row.first_token_s * 1000:.0f} ms, {row.first_token_kept_s * 1000:.0f} ms with the beginning of the "
+        f"prompt kept ({row.prefilled_tokens} of {row.prompt_tokens} tokens), "
         f"weights {row.weights_mb:.1f} MB, peak {row.peak_mb:.0f} MB"
     )
 

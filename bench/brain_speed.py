@@ -1,7 +1,7 @@
 """How fast a local vision-language model speaks, and what it takes: tokens a second, time to the first one, memory.
 
-For each kind of weights and key-value cache the model is loaded anew and answers the same prompt with a picture; the
-ratio to FP16 stands beside the paper's 1.78 (its INT4 against FP16 on its own GPU). With random weights of a real shape
+For each kind of weights and key-value cache the model is loaded anew and answers the same prompt with a picture: with the
+beginning that our prompts share computed anew, and with it kept from the last question. The ratio to FP16 stands beside the paper's 1.78 (its INT4 against FP16 on its own GPU). With random weights of a real shape
 the speed is the same as with trained ones, so it can be measured before anything is downloaded.
 """
 
@@ -20,7 +20,10 @@ from typing import Any
 
 from agent.brain import BrainFaultError
 from agent.brains.chat import Message, Prompt
-from agent.brains.hf_chat import MEND, NEEDED, Cache, HfCfg, HfChat, Weights, load
+from agent.brains.hf_chat import HfChat, Pace
+from agent.brains.hf_model import MEND, NEEDED, Cache, HfCfg, Weights, load
+from agent.brains.model import system_prompt
+from agent.brains.replies import ThinkReply
 from kb.errors import EnvironmentFaultError, RagVlmError
 
 PAPER_RATIO = 1.78
@@ -40,7 +43,12 @@ class BrainSpeed:
     tokens_per_s: float = 0.0
     """Median over the repetitions, after the first token."""
     first_token_s: float = 0.0
-    """Median time to the first token, picture and prompt included [s]."""
+    """Median time to the first token, picture and whole prompt included [s]."""
+    first_token_kept_s: float = 0.0
+    """The same with the beginning of the prompt kept from the question before [s]."""
+    prompt_tokens: int = 0
+    prefilled_tokens: int = 0
+    """Tokens of the prompt that are computed when its beginning is kept."""
     weights_mb: float = 0.0
     """Memory of the weights [MB]."""
     peak_mb: float = 0.0
@@ -97,12 +105,9 @@ def _measured(config: HfCfg, tokens: int, repetitions: int) -> BrainSpeed:
         model, processor = load(config)
         _never_end(model)
         chat = HfChat(f"hf:{config.folder}", model, processor, cache=config.cache)
-        speeds, firsts = [], []
-        for number in range(repetitions + 1):
-            chat.reply(_prompt(tokens))
-            if number:
-                speeds.append(chat.pace.tokens_per_s)
-                firsts.append(chat.pace.first_token_s)
+        kept = _paces(chat, tokens, repetitions)
+        forgetful = HfChat(f"hf:{config.folder}", model, processor, cache=config.cache, prefix="off")
+        anew = _paces(forgetful, 1, repetitions)
     except EnvironmentFaultError:
         raise
     except (BrainFaultError, RagVlmError, RuntimeError, NotImplementedError, ImportError, ValueError) as error:
@@ -110,11 +115,23 @@ def _measured(config: HfCfg, tokens: int, repetitions: int) -> BrainSpeed:
     return BrainSpeed(
         config.weights,
         config.cache,
-        tokens_per_s=statistics.median(speeds),
-        first_token_s=statistics.median(firsts),
+        tokens_per_s=statistics.median(pace.tokens_per_s for pace in kept),
+        first_token_s=statistics.median(pace.first_token_s for pace in anew),
+        first_token_kept_s=statistics.median(pace.first_token_s for pace in kept),
+        prompt_tokens=kept[-1].prompt_tokens,
+        prefilled_tokens=kept[-1].prefilled,
         weights_mb=chat.memory_bytes() / 1e6,
         peak_mb=_peak_mb(),
     )
+
+
+def _paces(chat: HfChat, tokens: int, repetitions: int) -> list[Pace]:
+    """How fast the replies came, without the first one, which warms up and fills what is kept."""
+    paces: list[Pace] = []
+    for _ in range(repetitions + 1):
+        chat.reply(_prompt(tokens))
+        paces.append(chat.pace)
+    return paces[1:]
 
 
 def _never_end(model: Any) -> None:
@@ -123,13 +140,14 @@ def _never_end(model: Any) -> None:
 
 
 def _prompt(tokens: int) -> Prompt:
-    """The same words and picture every time."""
+    """The system message of a thought, and the same words and picture every time."""
     from PIL import Image
 
     file = io.BytesIO()
     Image.radial_gradient("L").resize(PICTURE).convert("RGB").save(file, "PNG")
     text = "Say what stands on the table, how fragile each thing is, and how you would grasp it. " * 8
-    return Prompt("bench", (Message("user", text, (file.getvalue(),)),), {}, tokens, 3600.0)
+    system = Message("system", system_prompt("think", ThinkReply))
+    return Prompt("bench", (system, Message("user", text, (file.getvalue(),))), {}, tokens, 3600.0)
 
 
 def _forget() -> None:

@@ -1,65 +1,25 @@
 """A chat with a vision-language model in this process, over transformers: any folder that `AutoModelForImageTextToText` loads.
 
-Weights are stored in 16 bit, INT8 or NF4 (BitsAndBytes; the vision tower stays in 16 bit), the key-value cache in 16 bit
-or FP8. Decoding is greedy and bound to the reply's JSON schema by xgrammar, so that every reply is valid. Nothing is
-downloaded unless the name is no folder and the machine may reach a hub.
+`hf_model` loads it. What every prompt of a role begins with is computed once (`prefix_cache`). Decoding is greedy and
+bound to the reply's JSON schema by xgrammar, so that every reply is valid. Nothing is downloaded unless the name is no
+folder and the machine may reach a hub.
 """
 
 from __future__ import annotations
 
 import io
 import json
-import logging
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib.util import find_spec
-from pathlib import Path
-from typing import Any, Literal, get_args
-from urllib.parse import parse_qsl
+from typing import Any
 
 from agent.brain import BrainFaultError
-from agent.brains.chat import Prompt, Reply
-from kb.errors import BadInputError, EnvironmentFaultError
-
-Weights = Literal["auto", "bf16", "fp16", "fp32", "int8", "nf4"]
-Cache = Literal["bf16", "fp8"]
-NEEDED = ("torch", "transformers", "xgrammar")
-MEND = "pip install 'agentic-rag-vlm[models]', or --brain rules"
-KEPT_IN_16_BIT = ("visual", "model.visual", "model.vision_tower", "vision_tower", "vision_model", "lm_head")
-"""Modules, by the beginning of their names, that are not quantised: pictures suffer most from it (ledger G34), and the head is tied to the embeddings."""
-
-
-@dataclass(frozen=True)
-class HfCfg:
-    """How a model is loaded."""
-
-    folder: str
-    weights: Weights = "auto"
-    """"auto": NF4 on a GPU, on a CPU as stored."""
-    cache: Cache = "bf16"
-    """Key-value cache: in the type of the computation, or FP8."""
-    device: str = "auto"
-    """"auto": a GPU if there is one."""
-
-    @staticmethod
-    def read(text: str) -> HfCfg:
-        """From `FOLDER` or `FOLDER?weights=nf4&cache=fp8&device=cpu`.
-
-        Raises:
-            BadInputError: an unknown key or value.
-        """
-        folder, _, tail = text.partition("?")
-        choices = {"weights": get_args(Weights), "cache": get_args(Cache), "device": ("auto", "cpu", "cuda")}
-        given: dict[str, str] = {}
-        for key, value in parse_qsl(tail, keep_blank_values=True):
-            if key not in choices:
-                raise BadInputError(f"unknown key {key!r}", where=f"--brain hf:{text}", choices=choices)
-            if value not in choices[key]:
-                raise BadInputError(f"{key}={value} is not a choice", where=f"--brain hf:{text}", choices=choices[key])
-            given[key] = value
-        return HfCfg(folder=folder, **given)  # pyright: ignore[reportArgumentType]
+from agent.brains.chat import Message, Prompt, Reply
+from agent.brains.hf_model import MEND, NEEDED, Cache, HfCfg, Prefix, load
+from agent.brains.prefix_cache import PrefixCache, forget_pictures
+from kb.errors import EnvironmentFaultError
 
 
 @dataclass
@@ -67,6 +27,8 @@ class Pace:
     """How fast the last reply came."""
 
     prompt_tokens: int = 0
+    prefilled: int = 0
+    """Tokens of the prompt that were computed for this reply; the others stood in the kept beginning."""
     tokens: int = 0
     first_token_s: float = 0.0
     """From the question to the first token [s]."""
@@ -90,6 +52,7 @@ class HfChat:
         processor: Any,
         *,
         cache: Cache = "bf16",
+        prefix: Prefix = "on",
         sees: bool = True,
         stopped: Callable[[], bool] = lambda: False,
         clock: Callable[[], float] = time.perf_counter,
@@ -101,6 +64,7 @@ class HfChat:
             model: what `AutoModelForImageTextToText` gives.
             processor: its processor with a chat template.
             cache: type of the key-value cache.
+            prefix: whether the beginning that prompts share is kept between them.
             sees: whether pictures are sent.
             stopped: whether a person wants everything to end.
             clock: seconds.
@@ -115,6 +79,8 @@ class HfChat:
         # Its own cache fails on long repetitions in patterns (xgrammar 0.2.8); compiled grammars are kept here instead.
         self._compiler = xgrammar.GrammarCompiler(info, cache_enabled=False)
         self._grammars: dict[str, Any] = {}
+        supported = bool(model._supports_default_dynamic_cache())
+        self._prefixes = PrefixCache(model, self._tokens, self._new_cache) if prefix == "on" and supported else None
         self.pace = Pace()
         """Of the last reply."""
 
@@ -131,7 +97,8 @@ class HfChat:
         pace = self.pace = Pace(prompt_tokens=int(inputs["input_ids"].shape[1]), started=self._clock())
         try:
             with torch.inference_mode():
-                output = self._model.generate(**inputs, **self._settings(prompt, pace, end))
+                begun = self._begun(prompt, inputs["input_ids"], pace)
+                output = self._model.generate(**inputs, **begun, **self._settings(prompt, pace, end))
         except torch.OutOfMemoryError as error:
             raise BrainFaultError("the device has no memory left for this prompt") from error
         pace.total_s = self._clock() - pace.started
@@ -141,6 +108,28 @@ class HfChat:
             raise BrainFaultError(f"{self.name} is too slow: no whole reply within {prompt.seconds:.0f} s")
         tokens = output[0][pace.prompt_tokens :]
         return Reply(self._processor.decode(tokens, skip_special_tokens=True), pace.prompt_tokens, len(tokens))
+
+    def _begun(self, prompt: Prompt, input_ids: Any, pace: Pace) -> dict[str, Any]:
+        """The key-value cache to start from, with the beginning in it that prompts share."""
+        forget_pictures(self._model)
+        pace.prefilled = pace.prompt_tokens
+        cache, first = None, prompt.messages[0]
+        if self._prefixes is not None and first.role == "system" and len(prompt.messages) > 1:
+            cache, held, computed = self._prefixes.start(first.text, input_ids)
+            forget_pictures(self._model)
+            pace.prefilled = pace.prompt_tokens - held + computed
+        return {"past_key_values": cache if cache is not None else self._new_cache()}
+
+    def _new_cache(self) -> Any:
+        """An empty key-value cache of the wanted type."""
+        from transformers import DynamicCache, QuantizedCache  # pyright: ignore[reportMissingImports]
+
+        config = self._model.config.get_text_config(decoder=True)
+        return QuantizedCache("fp8", config) if self.cache == "fp8" else DynamicCache(config=config)
+
+    def _tokens(self, system: str, user: str) -> Any:
+        """Token ids of a prompt of two texts."""
+        return self._inputs(Prompt("", (Message("system", system), Message("user", user))))["input_ids"]
 
     def _inputs(self, prompt: Prompt) -> Any:
         """Tokens and pixels of a prompt, on the model's device; all views of a look go in as one batch."""
@@ -184,8 +173,6 @@ class HfChat:
         }
         if prompt.schema:
             settings["logits_processor"] = [LogitsProcessor(self._grammar(prompt.schema))]
-        if self.cache == "fp8":
-            settings |= {"cache_implementation": "quantized", "cache_config": {"backend": "fp8"}}
         return settings
 
     def _grammar(self, schema: dict[str, Any]) -> Any:
@@ -216,69 +203,4 @@ def open_hf_chat(text: str, *, sees: bool = True, stopped: Callable[[], bool] = 
     if any(find_spec(name) is None for name in NEEDED):
         raise EnvironmentFaultError(f"--brain hf:{text} needs {', '.join(NEEDED)}", mend=MEND)
     model, processor = load(config)
-    return HfChat(f"hf:{text}", model, processor, cache=config.cache, sees=sees, stopped=stopped)
-
-
-def load(config: HfCfg) -> tuple[Any, Any]:
-    """The model and its processor.
-
-    Raises:
-        EnvironmentFaultError: bitsandbytes is missing, or there is no such model to be had here.
-    """
-    import torch  # pyright: ignore[reportMissingImports]
-    from transformers import AutoModelForImageTextToText, AutoProcessor  # pyright: ignore[reportMissingImports]
-
-    quiet()
-    device = config.device if config.device != "auto" else ("cuda" if torch.cuda.is_available() else "cpu")
-    weights = config.weights if config.weights != "auto" else ("nf4" if device == "cuda" else "stored")
-    if weights in ("int8", "nf4") and find_spec("bitsandbytes") is None:
-        raise EnvironmentFaultError(f"weights={weights} needs bitsandbytes", mend=MEND)
-    try:
-        processor = AutoProcessor.from_pretrained(config.folder)
-        model = AutoModelForImageTextToText.from_pretrained(
-            config.folder, device_map=device, dtype=_dtype(weights), quantization_config=_quantization(weights)
-        )
-    except (OSError, ValueError) as error:
-        local = Path(config.folder).is_dir()
-        what = "holds no vision-language model" if local else "is no folder, and no model of that name can be fetched"
-        said = " ".join(str(error).split())[:160]
-        raise EnvironmentFaultError(
-            f"{config.folder} {what} ({said})", mend="give the folder of a model with its processor: --brain hf:FOLDER"
-        ) from error
-    return model.eval(), processor
-
-
-def quiet() -> None:
-    """Progress bars and warnings of the libraries do not belong into what a person reads."""
-    from transformers.utils import logging as told  # pyright: ignore[reportMissingImports]
-
-    told.disable_progress_bar()
-    for name in ("transformers", "bitsandbytes", "torchao"):
-        logging.getLogger(name).setLevel(logging.ERROR)
-    warnings.filterwarnings("ignore", module=r"bitsandbytes|transformers")
-
-
-def _dtype(weights: str) -> Any:
-    """Type of what is not quantised."""
-    import torch  # pyright: ignore[reportMissingImports]
-
-    return {"fp16": torch.float16, "int8": torch.float16, "fp32": torch.float32, "stored": "auto"}.get(
-        weights, torch.bfloat16
-    )
-
-
-def _quantization(weights: str) -> Any:
-    """BitsAndBytes' configuration, or None."""
-    import torch  # pyright: ignore[reportMissingImports]
-    from transformers import BitsAndBytesConfig  # pyright: ignore[reportMissingImports]
-
-    if weights == "nf4":
-        return BitsAndBytesConfig(
-            load_in_4bit=True,
-            bnb_4bit_quant_type="nf4",
-            bnb_4bit_compute_dtype=torch.bfloat16,
-            llm_int8_skip_modules=[*KEPT_IN_16_BIT],
-        )
-    if weights == "int8":
-        return BitsAndBytesConfig(load_in_8bit=True, llm_int8_skip_modules=[*KEPT_IN_16_BIT])
-    return None
+    return HfChat(f"hf:{text}", model, processor, cache=config.cache, prefix=config.prefix, sees=sees, stopped=stopped)

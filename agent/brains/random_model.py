@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from agent.brains.hf_chat import quiet
+from agent.brains.hf_model import quiet
 
 Shape = Literal["tiny", "qwen3-vl-2b", "qwen3-vl-4b", "qwen3-vl-8b"]
 

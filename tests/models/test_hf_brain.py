@@ -65,11 +65,55 @@ def test_replies_are_valid_whatever_the_weights_and_the_cache(folder: Path, opti
     assert chat.reply(prompt).text == got.text
 
 
+@pytest.mark.parametrize("options", ["weights=fp32", "weights=nf4", "weights=bf16&cache=fp8"])
+def test_the_kept_beginning_of_prompts_changes_no_reply(folder: Path, options: str) -> None:
+    """The same replies with and without the kept beginning, whatever came before, a picture or none; from the second
+    question of a role on, only the facts and the picture are computed, not the system message."""
+    from agent.brains.chat import Message, Prompt
+    from agent.brains.hf_chat import open_hf_chat
+    from agent.brains.model import system_prompt
+    from agent.brains.replies import AnswerReply, ThinkReply, schema_of
+
+    keeping, forgetful = open_hf_chat(f"{folder}?{options}"), open_hf_chat(f"{folder}?{options}&prefix=off")
+    felt: dict[int, list[Any]] = {id(chat): watched_logits(chat) for chat in (keeping, forgetful)}
+    seen: set[str] = set()
+    firsts: list[Any] = []
+    for role, pictures, text, bound in (
+        ("think", 1, "A cup stands there.", True), ("answer", 0, "Tell it.", True), ("think", 0, "Two cups.", False),
+        ("think", 2, "Three cups.", False), ("answer", 0, "Tell it again.", False), ("think", 1, "A cup stands there.", True),
+        ("think", 2, "Three cups.", False),
+    ):  # fmt: skip
+        kind = {"think": ThinkReply, "answer": AnswerReply}[role]
+        user = Message("user", text, tuple(picture(number) for number in range(pictures)))
+        schema = schema_of(kind) if bound else {}
+        prompt = Prompt(role, (Message("system", system_prompt(role, kind)), user), schema, 24, 300.0)
+        got = keeping.reply(prompt)
+        assert got == forgetful.reply(prompt)
+        steps = [felt[id(chat)][-got.completion_tokens :] for chat in (keeping, forgetful)]
+        firsts.append(steps[0][0])
+        if options == "weights=fp32":  # the others round
+            assert all(abs(one - other).max() < 1e-4 for one, other in zip(*steps, strict=True))
+        assert forgetful.pace.prefilled == got.prompt_tokens
+        assert keeping.pace.prefilled <= (got.prompt_tokens if role not in seen else 60)
+        assert got.prompt_tokens > 900
+        seen.add(role)
+    assert (firsts[0] == firsts[5]).all()
+    assert (firsts[3] == firsts[6]).all()
+    assert abs(firsts[2] - firsts[3]).max() > 1e-3  # the picture counts
+
+
+def watched_logits(chat: Any) -> list[Any]:
+    """The list to which a chat adds the logits of each of its steps."""
+    steps: list[Any] = []
+    chat._model.lm_head.register_forward_hook(lambda _module, _given, logits: steps.append(logits[0, -1].float()))
+    return steps
+
+
 def test_nf4_leaves_the_vision_tower_in_16_bit(folder: Path) -> None:
     """Linear layers of the language model are 4-bit, none of the vision tower is."""
     from bitsandbytes.nn import Linear4bit
 
-    from agent.brains.hf_chat import HfCfg, load
+    from agent.brains.hf_model import HfCfg, load
 
     model, _ = load(HfCfg(str(folder), weights="nf4", device="cpu"))
     quantised = [name for name, module in model.named_modules() if isinstance(module, Linear4bit)]
@@ -81,7 +125,8 @@ def test_a_time_limit_and_a_stop_end_the_reply(folder: Path) -> None:
     """A reply that takes too long, or that the person ends, is a fault and no text."""
     from agent.brain import BrainFaultError
     from agent.brains.chat import Message, Prompt
-    from agent.brains.hf_chat import HfCfg, HfChat, load
+    from agent.brains.hf_chat import HfChat
+    from agent.brains.hf_model import HfCfg, load
 
     model, processor = load(HfCfg(str(folder), weights="fp32", device="cpu"))
     prompt = Prompt("x", (Message("user", "Hello"),), {}, 50, 10.0)
