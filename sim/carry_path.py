@@ -22,14 +22,12 @@ OVERSHOOT = 0.012
 """How far a set-down feels for the ground below the wanted height [m]."""
 UPRIGHT = math.radians(10.0)
 """Tilt of what is carried that the way keeps to where it can [rad]."""
-STAGES: tuple[tuple[float | None, float], ...] = (
-    (UPRIGHT, MARGIN),
-    (math.radians(25.0), MARGIN),
-    (UPRIGHT, 0.0),
-    (None, MARGIN),
-    (None, 0.0),
-)
-"""Largest tilt [rad] and distance to keep [m] of the ways that are looked for, in this order."""
+Stages = tuple[tuple[float | None, float], ...]
+"""Largest tilt [rad] (None: any) and distance to keep [m] of ways that are looked for, in this order."""
+GENTLE: Stages = ((UPRIGHT, MARGIN), (math.radians(25.0), MARGIN), (UPRIGHT, 0.0))
+"""Ways on which nothing slips: a wine glass held with 3.6 N slid out of the hand on ways that tipped it by 90 degrees."""
+STAGES: Stages = (*GENTLE, (None, MARGIN), (None, 0.0))
+"""All ways, the gentle ones first."""
 ARC_RAISES = (0.0, 0.06, 0.12)
 """How much higher than its ends an arc is in its middle [m]."""
 ARC_KNOTS = 14
@@ -95,16 +93,18 @@ def way_down(
     load: Array | None,
     *,
     calm: bool = False,
+    stages: Stages = STAGES,
 ) -> WayDown | None:
     """The way to above a tool pose (4, 4) and straight down onto it; the calmest one there is, or None.
 
-    With `calm` only ways on which the hand does nothing but turn about the vertical are looked for.
+    With `calm` only ways on which the hand does nothing but turn about the vertical are looked for; else those of
+    `stages`, in order.
     """
     arcs = [*arcs_above(pose, start)]
     if calm and not arcs:
         return None
     downs: list[tuple[Array, float]] = []
-    for stage in STAGES:
+    for stage in stages:
         for knots, path, length in arcs:
             transit = free_motion(knots, obstacles, carried=load, margin=stage[1], tilt=stage[0])
             if transit is not None:

@@ -24,6 +24,7 @@ from tools.planning.set_down import (
     BIN_RAISES,
     BIN_SLOTS,
     GAP,
+    Care,
     Scene,
     SetDown,
     feasible,
@@ -34,6 +35,8 @@ from tools.planning.set_down import (
     points_of,
     set_downs,
     spiral,
+    stands_clear,
+    strip,
 )
 
 Place = Literal["bin", "point", "side", "beside", "on", "aside", "hand_over"]
@@ -52,8 +55,17 @@ BESIDE_GAP = 0.05
 """Surface gap wanted when something is put next to something [m]."""
 DROP_FRAGILITY, GENTLE_DROP = 0.3, 0.03
 """Things at least this fragile must not fall farther than this [m] (benchmark.md section 1: 5 cm damage them)."""
+NEVER_TIPPED = 0.7
+"""Things at least this fragile are carried no more crookedly than a gentle way takes them."""
 SLOWEST = 0.15
 """Least velocity scale of a set-down: 6 mm/s at the end, a wine glass then lands with less than 5 N."""
+LEAST_GAP = 0.012
+"""Distance between what is set down and what stands there where there is no room for more [m]."""
+LANE_INSET = 0.035
+"""Distance that the middle of what is put into a lane keeps from the lane's edges [m]: the set-down is good to 1 cm, and a
+ball may roll another."""
+ACROSS_STEP = 0.03
+"""Widths across a lane that differ by less than this are as good as each other [m]."""
 TRIES = 60
 """Poses whose reach is checked before giving up."""
 
@@ -132,11 +144,21 @@ def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
         load=np.asarray(load_points(args.object, args.held)),
         has_arm=bool(getattr(context.robot, "has_arm", True)),
     )
-    for careful, limit in ((True, TRIES * 4), (False, TRIES * 12)):
+    for care, limit in _cares(args):
         for option in islice(_options(args), limit):
-            if feasible(option, scene, careful=careful):
+            if feasible(option, scene, care):
                 return option
     return None
+
+
+def _cares(args: PlaceArgs) -> tuple[tuple[Care, int], ...]:
+    """The ways to carry it that are looked for, in order, and how many poses of the hand are tried with each.
+
+    What is brittle is never tipped far: it would slide out of a hand that may press but little.
+    """
+    careful: tuple[tuple[Care, int], ...] = (("careful", TRIES * (8 if args.keep_in else 4)), ("gentle", TRIES))
+    brittle = args.object.affordance.fragility >= NEVER_TIPPED
+    return careful if brittle else (*careful, ("any", TRIES * 12))
 
 
 def _options(args: PlaceArgs) -> Iterator[SetDown]:
@@ -151,11 +173,14 @@ def _options(args: PlaceArgs) -> Iterator[SetDown]:
         support, centres = below.top_z, iter([(below.position[0], below.position[1])])
         yield from set_downs(args.object, args.held, next(centres), support)
         return
+    if args.keep_in is not None:
+        yield from _in_lane(args, args.keep_in)
+        return
     radius = footprint_radius(args.object)
     places = 0
-    for gap in (GAP, 0.012):
+    for gap in (GAP, LEAST_GAP):
         for centre in _wanted(args):
-            if _inside(centre, args) and is_free(centre, radius, args.percept, ignore, gap, args.object.size[2] + GAP):
+            if is_free(centre, radius, args.percept, ignore, gap, args.object.size[2] + GAP):
                 yield from set_downs(args.object, args.held, centre, support)
                 places += 1
                 if places >= TRIES:
@@ -219,11 +244,22 @@ def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
                         yield option
 
 
-def _inside(centre: Vec2, args: PlaceArgs) -> bool:
-    if args.keep_in is None:
-        return True
-    (x0, y0), (x1, y1) = args.keep_in
-    return x0 <= centre[0] <= x1 and y0 <= centre[1] <= y1
+def _in_lane(args: PlaceArgs, corners: tuple[Vec2, Vec2]) -> Iterator[SetDown]:
+    """Free places in a lane, well inside it, with long things along it: what lies across is in the others' way."""
+    others = [other for other in args.percept.objects if other.id != args.object.id]
+    long, short = args.object.size[0], args.object.size[1]
+    narrow = min(long, short) / 2
+
+    def across(option: SetDown) -> int:
+        yaw = args.object.yaw + option.turn
+        return round((abs(math.sin(yaw)) * long + abs(math.cos(yaw)) * short) / ACROSS_STEP)
+
+    for gap in (GAP, LEAST_GAP):
+        for centre in strip(corners, LANE_INSET):
+            if is_free(centre, narrow, args.percept, (args.object.id,), gap, args.object.size[2] + GAP):
+                for option in sorted(set_downs(args.object, args.held, centre, 0.0), key=across):
+                    if stands_clear(args.object, option, others, gap):
+                        yield option
 
 
 def _reference(args: PlaceArgs) -> PerceivedObject:

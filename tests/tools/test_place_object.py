@@ -156,3 +156,21 @@ def test_a_cup_goes_into_the_bin_in_physics() -> None:
     verdict = opened.observer.judge(opened.motions, name, SimpleNamespace(kind="bin", side=None, relation=None))
     assert verdict.success
     assert opened.observer.in_bin(name)
+
+
+def test_a_place_in_a_lane_is_well_inside_it() -> None:
+    """With something on the lane's middle the free place lies along the lane, 3.5 cm or more from its edges."""
+    seen = solid("t", "tennis_ball", 0.5, -0.2)
+    there = solid("n", "cube", 0.515, 0.15)
+    option = chosen(seen, percept(there), kind="point", point=(0.515, 0.15), keep_in=((0.35, 0.075), (0.68, 0.225)))
+    assert option is not None
+    assert 0.11 - 1e-9 <= option.centre[1] <= 0.19 + 1e-9
+    assert box_distance(option.centre, there) >= footprint_radius(seen) + 0.012
+
+
+def test_long_things_lie_along_a_lane() -> None:
+    """A phone that lay across a lane is turned along it, so that the lanes beside it stay free."""
+    seen = solid("t", "smartphone", 0.5, -0.2, yaw=math.pi / 2)
+    option = chosen(seen, percept(), kind="point", point=(0.515, 0.0), keep_in=((0.35, -0.075), (0.68, 0.075)))
+    assert option is not None
+    assert abs(math.cos(seen.yaw + option.turn)) > math.cos(math.radians(30.0))

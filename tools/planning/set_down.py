@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -12,13 +13,14 @@ from kb.base import Vec2, Vec3
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan
-from sim.carry_path import way_down
+from sim.carry_path import GENTLE, STAGES, way_down
 from sim.hand import TCP_OFFSET, swept_clearance
 from sim.kinematics import forward
 from sim.motion import CARRIED_RADIUS, Obstacle
 from sim.place_motion import RETREAT, way_back
 from tools.planning.arm_clearance import path_clearance
 from tools.planning.candidate import Array, vec3
+from tools.planning.outline import outline, rectangle_gap
 from tools.planning.surroundings import completed
 
 TABLE_X, TABLE_Y = (0.31, 0.74), (-0.34, 0.34)
@@ -37,6 +39,8 @@ BIN_RAISES = (0.0, 0.015, 0.03, 0.045, 0.07, 0.11)
 """How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
 WALL_ROOM = 0.006
 """Distance that what is put into the bin keeps from its walls [m]."""
+STRIP_STEP = 0.03
+"""Distance of the rows of places in a lane [m]."""
 UPRIGHT_HAND = 0.9
 """Cosine of the hand's tilt from which its way back is its way up."""
 SPHERE_STEP = 0.04
@@ -105,6 +109,36 @@ def spiral(centre: Vec2, step: float = 0.02, rings: int = 9) -> Iterator[Vec2]:
             yield centre[0] + ring * step * math.cos(angle), centre[1] + ring * step * math.sin(angle)
 
 
+def strip(corners: tuple[Vec2, Vec2], inset: float) -> Iterator[Vec2]:
+    """Places in an upright strip of the table (a lane), those near its middle line first.
+
+    Args:
+        corners: Its near right and far left corner [m].
+        inset: Distance that the places keep from its left and right edges [m].
+    """
+    (x0, y0), (x1, y1) = corners
+    middle = ((x0 + x1) / 2, (y0 + y1) / 2)
+    widest = max(0.0, (y1 - y0) / 2 - inset)
+    rows = np.arange(0.0, (x1 - x0) / 2 + 1e-9, STRIP_STEP)
+    steps = [
+        (float(dx), float(dy))
+        for dx in np.unique(np.concatenate([-rows, rows]))
+        for dy in (0.0, -widest / 2, widest / 2, -widest, widest)
+    ]
+    for dx, dy in sorted(steps, key=lambda step: (round(abs(step[0]) + 2 * abs(step[1]), 6), step)):
+        yield middle[0] + dx, middle[1] + dy
+
+
+def stands_clear(held: PerceivedObject, option: SetDown, others: Iterable[PerceivedObject], gap: float) -> bool:
+    """Whether the held object's box, turned as it will be, keeps a distance [m] from the boxes of others."""
+    mine = outline(option.centre, held.size, held.yaw + option.turn)
+    height = held.size[2] + GAP
+    return all(
+        other.base_z >= height or rectangle_gap(mine, outline(other.position, other.size, other.yaw)) >= gap
+        for other in others
+    )
+
+
 def hand_at_grasp(held: Plan) -> Array:
     """Rotation of the hand when it closed (3, 3); the stored posture tells which way round it was."""
     rotation = held.grasp.rotation()
@@ -141,6 +175,11 @@ def set_downs(held: PerceivedObject, plan: Plan, centre: Vec2, support_z: float)
         )
 
 
+Care = Literal["careful", "gentle", "any"]
+"""How what is held is carried to a place and left there: upright and straight back, tipped by 25 degrees at most, or so
+that it gets there at all."""
+
+
 @dataclass(frozen=True)
 class Scene:
     """What a set-down has to reckon with, as perceived."""
@@ -159,11 +198,13 @@ class Scene:
     """Whether the links take up room; without, the hand's own clearance decides."""
 
 
-def feasible(option: SetDown, scene: Scene, *, careful: bool) -> bool:
+def feasible(option: SetDown, scene: Scene, care: Care) -> bool:
     """Whether the arm lowers the hand there straight from above, and the hand stays clear of everything.
 
-    A careful set-down also keeps what is held upright on the way, and leaves it straight back along the approach.
+    A careful set-down also keeps what is held upright on the way, and leaves it straight back along the approach; a
+    gentle one tips it by no more than 25 degrees.
     """
+    careful = care == "careful"
     grasp = scene.plan.grasp
     pose = Grasp(
         position=option.position,
@@ -181,7 +222,8 @@ def feasible(option: SetDown, scene: Scene, *, careful: bool) -> bool:
     target = np.eye(4)
     target[:3, :3], target[:3, 3] = pose.rotation(), option.position
     # The robot takes the first way that it finds, so that one must be clear.
-    way = way_down(target, scene.joints, scene.boxes, scene.load, calm=careful)
+    stages = STAGES if care == "any" else GENTLE
+    way = way_down(target, scene.joints, scene.boxes, scene.load, calm=careful, stages=stages)
     if way is None or not _clear(way.path[::2], scene.points_w):
         return False
     if not careful or abs(option.approach[2]) > UPRIGHT_HAND:

@@ -1,0 +1,29 @@
+"""Footprints of perceived boxes as rectangles, and how far apart they are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from kb.base import Vec3
+from tools.planning.candidate import Array
+
+
+def outline(centre: Sequence[float], size: Vec3, yaw: float) -> Array:
+    """Corners of a box's footprint (4, 2) [m]."""
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    corners = 0.5 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.asarray(size[:2])
+    return corners @ np.array([[cosine, sine], [-sine, cosine]]) + np.asarray(centre[:2])
+
+
+def rectangle_gap(one: Array, other: Array) -> float:
+    """Widest gap between two rectangles (4, 2) along a side of either [m]: never more than their distance."""
+    widest = -math.inf
+    for first, second in ((one, other), (other, one)):
+        for edge in (first[1] - first[0], first[2] - first[1]):
+            axis = np.array([-edge[1], edge[0]]) / max(float(np.linalg.norm(edge)), 1e-9)
+            a, b = first @ axis, second @ axis
+            widest = max(widest, float(max(a.min() - b.max(), b.min() - a.max())))
+    return widest
