@@ -8,7 +8,7 @@ from kb.base import Noun, Vec3
 from kb.constraint import Constraints
 from kb.percept import PerceivedObject, Percept
 from kb.run_result import Level
-from kb.sensing import CameraEvidence, Correction, Plan, Sensing
+from kb.sensing import CameraEvidence, Correction, PlaceEvidence, Plan, Sensing
 from kb.vocabulary import FailureType
 
 
@@ -30,6 +30,8 @@ class Attempt(Noun):
     constraints: Constraints = Field(default_factory=Constraints)
     sensing: Sensing
     camera: CameraEvidence | None = None
+    places: PlaceEvidence | None = None
+    """What a look showed while something was still in the hand."""
     claimed: bool = False
     failure: FailureType | None = None
     confidence: float = 1.0
@@ -41,6 +43,14 @@ class Attempt(Noun):
     """Number of the motion; the observer's recordings are kept by it."""
     before: bytes = b""
     """Opaque snapshot of the world before the motion, for simulating what would have happened."""
+
+
+def in_hand(attempt: Attempt) -> PerceivedObject:
+    """What the attempt left in the hand: the target, unless its own look shows that another thing was taken."""
+    places = attempt.places
+    if places is None or attempt.percept is None or not places.is_other or len(places.emptied) != 1:
+        return attempt.target
+    return attempt.percept.object(places.emptied[0])
 
 
 KEPT_ATTEMPTS, KEPT_MOMENTS = 24, 6

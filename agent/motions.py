@@ -9,7 +9,7 @@ from agent import events, phrases
 from agent.agenda import finish
 from agent.approval import Decision, apply_decision, proposal
 from agent.ask_brain import ask_reflection
-from agent.attempt import Attempt, Held, Moved
+from agent.attempt import Attempt, Held, Moved, in_hand
 from agent.chat.steer import steered
 from agent.compare_looks import compare_looks
 from agent.context import AgentContext
@@ -19,9 +19,11 @@ from agent.nodes import look
 from agent.placing import origin_of, place_args, put_back_args
 from agent.state import State, Update, merged
 from agent.traced_tools import classify_failure, correct_grasp, execute_grasp, place_object
+from kb.percept import Percept
 from kb.sensing import Correction, Evidence
-from tools.classify_failure import ClassifyArgs
+from tools.classify_failure import ClassifyArgs, Diagnosis
 from tools.correct_grasp import CorrectArgs
+from tools.diagnosis.held_look import look_at_places, worth_a_look
 from tools.execute_grasp import ExecuteArgs
 
 Run = Runtime[AgentContext]
@@ -95,7 +97,8 @@ def set_back(state: State, runtime: Run) -> Update:
     )
     context.world.moving()
     with context.timed("execution", times):
-        place_object(put_back_args(last), context.tool("place", opened.motions))
+        back = put_back_args(last.model_copy(update={"target": in_hand(last)}))
+        place_object(back, context.tool("place", opened.motions))
         if opened.robot.holding:  # no free place: better let go here than carry it into the next attempt
             opened.robot.release_and_home()
     return Update(world=context.world.moved(), stale=True, times=times)
@@ -113,19 +116,21 @@ def look_after(state: State, runtime: Run) -> Update:
 
 
 def observe(state: State, runtime: Run) -> Update:
-    """Observation: success or which of the 14 failures, from the robot's own sensing alone."""
+    """Observation: success or which of the 14 failures, from the robot's own sensing alone.
+
+    Where another thing might be in the hand, or a reading is odd, it looks which place has become empty before it says.
+    """
     context, times = runtime.context, dict[str, float]()
     attempt = state.attempts[-1]
-    assert state.before is not None
-    args = ClassifyArgs(
-        plan=attempt.plan,
-        evidence=Evidence(sensing=attempt.sensing, camera=state.camera),
-        constraints=state.constraints,
-        target=attempt.target,
-        percept=state.before,
-    )
-    with context.timed("brain", times):
-        diagnosis = classify_failure(args, context.tools)
+    diagnosis = _diagnosed(state, attempt, context, times)
+    sure = diagnosis.claimed
+    if state.camera is None and worth_a_look(attempt.sensing, _before(state), attempt.target, sure=sure):
+        context.world.at(state.world)
+        tool = context.tool("look at places", attempt.number)
+        with context.timed("perception", times):
+            places = look_at_places(attempt.sensing, _before(state), attempt.target, tool)
+        attempt = attempt.model_copy(update={"places": places})
+        diagnosis = _diagnosed(state, attempt, context, times)
     if not diagnosis.claimed and context.oracle_failure is not None:
         diagnosis = diagnosis.model_copy(
             update={"failure": context.oracle_failure(attempt.motion, attempt.target) or diagnosis.failure}
@@ -148,6 +153,25 @@ def observe(state: State, runtime: Run) -> Update:
             )
         )
     return Update(diagnosis=diagnosis, attempts=(judged,), times=times)
+
+
+def _before(state: State) -> Percept:
+    """The look before the last motion."""
+    assert state.before is not None
+    return state.before
+
+
+def _diagnosed(state: State, attempt: Attempt, context: AgentContext, times: dict[str, float]) -> Diagnosis:
+    """What all that is known of the attempt by now says about it."""
+    args = ClassifyArgs(
+        plan=attempt.plan,
+        evidence=Evidence(sensing=attempt.sensing, camera=state.camera, places=attempt.places),
+        constraints=state.constraints,
+        target=attempt.target,
+        percept=_before(state),
+    )
+    with context.timed("brain", times):
+        return classify_failure(args, context.tools)
 
 
 def reflect(state: State, runtime: Run) -> Update:

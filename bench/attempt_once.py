@@ -11,20 +11,24 @@ from typing import Any
 
 import numpy as np
 
+from agent.attempt import Attempt, in_hand
 from agent.compare_looks import compare_looks
+from agent.placing import put_back_args
 from kb.constraint import Constraints
 from kb.percept import PerceivedObject, Percept
-from kb.sensing import Evidence, Plan, Sensing
+from kb.sensing import Evidence, PlaceEvidence, Plan, Sensing
 from kb.switches import Switches
 from kb.verdict import ObservedAttempt
 from kb.vocabulary import PerceptionName
 from tools.build_scene_graph import SceneGraphArgs, build_scene_graph
 from tools.classify_failure import ClassifyArgs, Diagnosis, classify_failure
 from tools.context import ToolContext
+from tools.diagnosis.held_look import look_at_places, worth_a_look
 from tools.execute_grasp import ExecuteArgs, execute_grasp
 from tools.infer_constraints import ConstraintArgs, infer_constraints
 from tools.open_world import OpenedWorld, open_perceiver, open_world
 from tools.perceive import PerceiveArgs, perceive
+from tools.place_object import place_object
 from tools.plan_grasp import PlanArgs, plan_grasp
 from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
 
@@ -125,16 +129,34 @@ def _carried_out(
     meant = opened.observer.meant(target.category, target.position)
     sensing = execute_grasp(ExecuteArgs(plan=plan, percept=percept, target=target.id), context)
     observed = opened.observer.judge(opened.motions, meant)
+    places: PlaceEvidence | None = None
     args = ClassifyArgs(
         plan=plan, evidence=Evidence(sensing=sensing), constraints=constraints, target=target, percept=percept
     )
     diagnosis = classify_failure(args, context)
+    # As the agent does: where it is not sure, or another thing feels the same, it looks while holding.
+    if worth_a_look(sensing, percept, target, sure=diagnosis.claimed):
+        places = look_at_places(sensing, percept, target, context)
+        args = args.model_copy(update={"evidence": Evidence(sensing=sensing, places=places)})
+        diagnosis = classify_failure(args, context)
     if not diagnosis.claimed:
-        # As the agent does: not sure, so look before saying what went wrong.
+        # As the agent does, too: the hand is emptied, and a look precedes the last word on what went wrong.
+        failed = Attempt(
+            number=0, turn=0, goal=0, level=0, plan=plan, target=target, percept=percept, sensing=sensing, places=places
+        )
+        _put_back(opened, context, failed)
         after = perceive(PerceiveArgs(look=1, previous=percept), context)
-        evidence = Evidence(sensing=sensing, camera=compare_looks(percept, after, target.id))
+        evidence = Evidence(sensing=sensing, camera=compare_looks(percept, after, target.id), places=places)
         diagnosis = classify_failure(args.model_copy(update={"evidence": evidence}), context)
     return Once(plan, reason, sensing, diagnosis, observed)
+
+
+def _put_back(opened: OpenedWorld, context: ToolContext, failed: Attempt) -> None:
+    """Whatever hangs in the hand goes back onto the table."""
+    if opened.robot.holding:
+        place_object(put_back_args(failed.model_copy(update={"target": in_hand(failed)})), context)
+        if opened.robot.holding:
+            opened.robot.release_and_home()
 
 
 def _target(opened: OpenedWorld, percept: Percept) -> PerceivedObject | None:

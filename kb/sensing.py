@@ -90,11 +90,35 @@ class CameraEvidence(Noun):
     """The held or released object changed its shape."""
 
 
+class PlaceEvidence(Noun):
+    """What a look showed while something was held: which of the places where things stood have become empty."""
+
+    target: Literal["empty", "occupied", "unseen"]
+    """Where the target stood; "unseen" where the arm or something else hides it."""
+    emptied: tuple[str, ...] = ()
+    """Perceived ids of other things that have left their places and are seen nowhere else on the table."""
+    unseen: tuple[str, ...] = ()
+    """Perceived ids of other things whose places are hidden."""
+
+    @property
+    def is_target(self) -> bool:
+        """The thing in the hand is the target: its place is empty and no other, or no other thing can be meant."""
+        return not self.emptied and (self.target == "empty" or (self.target == "unseen" and not self.unseen))
+
+    @property
+    def is_other(self) -> bool:
+        """The thing in the hand is not the target: that still stands there, or only another place became empty."""
+        return self.target == "occupied" or (self.target == "unseen" and bool(self.emptied))
+
+
 class Evidence(Noun):
     """All that the diagnosis may use."""
 
     sensing: Sensing
     camera: CameraEvidence | None = None
+    """A look after the motion. Where there is also `places`, what was held has been put back before it."""
+    places: PlaceEvidence | None = None
+    """A look while something was still held."""
 
 
 class Correction(Noun):

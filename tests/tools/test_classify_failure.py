@@ -8,7 +8,7 @@ import pytest
 
 from kb.constraint import Adjustment, Constraint, Constraints
 from kb.percept import PerceivedObject, Percept
-from kb.sensing import CameraEvidence, Evidence, Plan, Sensing
+from kb.sensing import CameraEvidence, Evidence, PlaceEvidence, Plan, Sensing
 from tests.planning_fixtures import context, percept, solid
 from tools.classify_failure import ClassifyArgs, Diagnosis, classify_failure
 from tools.plan_grasp import PlanArgs, plan_grasp
@@ -44,13 +44,14 @@ def diagnosed(
     plan: Plan | None = None,
     scene: Percept | None = None,
     camera: CameraEvidence | None = None,
+    places: PlaceEvidence | None = None,
     constraints: Constraints | None = None,
     **changes: Any,
 ) -> Diagnosis:
     scene = scene or percept(seen)
     args = ClassifyArgs(
         plan=plan or plan_of(seen, scene),
-        evidence=Evidence(sensing=Sensing.model_validate(GOOD | changes), camera=camera),
+        evidence=Evidence(sensing=Sensing.model_validate(GOOD | changes), camera=camera, places=places),
         constraints=constraints or Constraints(),
         target=seen,
         percept=scene,
@@ -152,6 +153,38 @@ def test_a_surprising_width_is_cleared_by_a_look_that_shows_the_target_gone() ->
     assert (still.claimed, still.failure) == (False, "WRONG_OBJECT")
 
 
+def test_the_place_that_became_empty_tells_what_is_held() -> None:
+    """All readings are those of a success, but the twin's place is empty: the wrong object, after the put-back, too."""
+    twin = PlaceEvidence(target="occupied", emptied=("n",))
+    found = diagnosed(places=twin)
+    assert (found.claimed, found.failure) == (False, "WRONG_OBJECT")
+    again = diagnosed(places=twin, camera=CameraEvidence(target_visible=True, others_moved={"n": 0.012}))
+    assert again.failure == "WRONG_OBJECT"
+    hidden = PlaceEvidence(target="unseen", emptied=("n",), unseen=("m",))
+    assert diagnosed(places=hidden).failure == "WRONG_OBJECT"
+
+
+def test_a_hidden_place_is_no_doubt() -> None:
+    """Nothing is seen of the target's place, and nothing of another's: what was felt to be a success stays one."""
+    assert diagnosed(places=PlaceEvidence(target="unseen", unseen=("n",))).claimed
+    assert diagnosed(places=PlaceEvidence(target="empty", unseen=("n",))).claimed
+
+
+def test_heavy_is_not_wrong() -> None:
+    """Five times the expected mass: a success where the target's place is empty, also after a look that is put back."""
+    heavy = {"load_lifted": 0.6, "load_end": 0.6}
+    assert not diagnosed(**heavy).claimed
+    assert diagnosed(**heavy, places=PlaceEvidence(target="empty")).claimed
+    lost = {"load_lifted": 0.2, "load_end": 0.6}
+    back = CameraEvidence(target_visible=True, target_moved=0.004)
+    assert diagnosed(**lost, places=PlaceEvidence(target="empty"), camera=back).failure == "SLIP"
+
+
+def test_a_neighbour_that_left_with_the_target_forbids_the_claim() -> None:
+    """The target is in the hand, and something else is nowhere any more."""
+    assert not diagnosed(places=PlaceEvidence(target="empty", emptied=("n",))).claimed
+
+
 def test_a_protected_neighbour_that_moved_is_a_violation() -> None:
     """All readings are fine, but the vase that the constraint protects has moved and something vanished."""
     rules = Constraints(active=(Constraint(kind="collision", target="n", reason="fragile"),), adjustment=Adjustment())
@@ -168,4 +201,4 @@ def test_spilt_contents_are_felt() -> None:
 def test_only_observables_go_in() -> None:
     """The arguments hold plan, sensing, looks and constraints: no field of the observer's verdict."""
     assert set(ClassifyArgs.model_fields) == {"plan", "evidence", "constraints", "target", "percept"}
-    assert set(Evidence.model_fields) == {"sensing", "camera"}
+    assert set(Evidence.model_fields) == {"sensing", "camera", "places"}

@@ -1,7 +1,8 @@
 """Every reason to doubt that a grasp succeeded; the robot claims success only where none is left.
 
-Hard doubts contradict a success. Soft ones say that something other than expected may be in the hand: a further look that
-shows the target gone from its place clears them.
+Hard doubts contradict a success. Soft ones say that something other than expected may be in the hand: a look while it is
+still held (`tools.diagnosis.held_look`) that shows the target's place empty clears them, and one that shows it occupied
+is a hard doubt.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 from kb.constraint import Constraints
 from kb.percept import PerceivedObject
-from kb.sensing import CameraEvidence, Evidence, Plan, Sensing
+from kb.sensing import CameraEvidence, Evidence, PlaceEvidence, Plan, Sensing
 from sim.quality import maximum_force
 
 CLOSED_EMPTY = 0.0010
@@ -65,9 +66,13 @@ def doubts(plan: Plan, evidence: Evidence, constraints: Constraints, target: Per
     if any(item.kind == "content" for item in constraints.active) and sensed.load_end < 0.9 * sensed.load_lifted:
         hard.append(f"the load fell from {sensed.load_lifted:.3f} to {sensed.load_end:.3f} kg: contents were lost")
     soft = _surprises(plan, sensed, target)
+    if evidence.places is not None:
+        hard += _places(evidence.places)
+        if evidence.places.is_target:
+            soft = []
     if camera is not None:
-        hard += _seen(camera)
-        if gone(camera):
+        hard += _seen(camera, put_back=evidence.places is not None)
+        if evidence.places is None and gone(camera):
             soft = []
     return Doubts(tuple(hard), tuple(soft))
 
@@ -112,12 +117,23 @@ def _surprises(plan: Plan, sensed: Sensing, target: PerceivedObject) -> list[str
     return found
 
 
-def _seen(camera: CameraEvidence) -> list[str]:
+def _places(places: PlaceEvidence) -> list[str]:
+    """What the look with something in the hand says against a success; a place that is hidden says nothing."""
+    others = ", ".join(places.emptied)
+    if places.target == "occupied":
+        return [f"the place of {others} is empty, the target's is not" if others else "the target's place is not empty"]
+    if places.is_other:
+        return [f"the place of {others} has become empty"]
+    return [f"{others} left its place, too"] if others else []
+
+
+def _seen(camera: CameraEvidence, *, put_back: bool) -> list[str]:
+    """What a look after the motion says against a success; where a target stands that was put back says nothing."""
     found: list[str] = []
     if camera.missing:
         found.append(f"{', '.join(camera.missing)} no longer seen")
     if camera.deformed:
         found.append("the object changed its shape")
-    if not gone(camera) and not camera.target_in_hand:
+    if not put_back and not gone(camera) and not camera.target_in_hand:
         found.append("the target still stands where it stood")
     return found

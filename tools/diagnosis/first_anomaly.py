@@ -137,14 +137,25 @@ def _askew(case: Case) -> bool:
 
 
 def _wrong_object(case: Case) -> Anomaly | None:
-    sensed, camera = case.evidence.sensing, case.evidence.camera
-    off = abs(sensed.aperture_closed - case.plan.local_width)
-    carried = sensed.load_end > LEAST_LOAD and sensed.aperture_end > CLOSED_EMPTY
+    sensed, camera, places = case.evidence.sensing, case.evidence.camera, case.evidence.places
+    if sensed.load_end <= LEAST_LOAD or sensed.aperture_end <= CLOSED_EMPTY:
+        return None
+    held = f"{sensed.load_end:.3f} kg are held"
     # A nudged target that is still there while something else vanished is not what is held either.
     other = camera is not None and camera.target_visible and bool(camera.missing) and camera.target_moved < NUDGED
+    if places is not None:
+        if places.is_other:
+            what = (
+                f"{', '.join(places.emptied)} left its place" if places.emptied else "the target is still in its place"
+            )
+            return Anomaly("WRONG_OBJECT", 0.95, (f"{held}, and {what}",))
+        # What was held has been put back since: that the target stands there now says nothing any more.
+        unclear = other and not places.is_target
+        return Anomaly("WRONG_OBJECT", 0.6, (f"{held}, the target is not it",)) if unclear else None
     stays = camera is not None and (not gone(camera) or other)
-    if carried and (stays or (camera is None and off > WIDTH_SURPRISE)):
-        return Anomaly("WRONG_OBJECT", 0.8, (f"{sensed.load_end:.3f} kg are held, the target is not it",))
+    off = abs(sensed.aperture_closed - case.plan.local_width)
+    if stays or (camera is None and off > WIDTH_SURPRISE):
+        return Anomaly("WRONG_OBJECT", 0.8, (f"{held}, the target is not it",))
     return None
 
 
