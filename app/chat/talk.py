@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.chat.changes import changes_of
+from app.chat.looking_back import LookingBack
 from app.chat.printing import ChatPrinter
 from app.chat.session_commands import sessions_command
 from app.chat.slash import COMMANDS, command_of
@@ -34,6 +35,7 @@ class Talk:
         self.asked = False
         """Whether the robot asked something back and waits for the next line."""
         self._threads = threads
+        self._looking_back = LookingBack(conversation)
         self._results: list[RunResult] = []
         c = conversation
         self._commands: dict[str, Callable[[str], Any]] = {
@@ -84,9 +86,13 @@ class Talk:
     def _run(self, events: Iterator[Any]) -> int:
         """Shows the events of a turn; returns how many there were."""
         count = 0
+        self._looking_back.begin()
         for event in events:
             count += 1
+            self._looking_back.on_step(event)
             self.printer.show(event)
+            for line in self._looking_back.lines_of(event):
+                self.printer.say(line)
             if event.kind == "finished":
                 self._results.append(event.result)
                 self.code = ACHIEVED if event.result.success else NOT_ACHIEVED
@@ -160,6 +166,7 @@ class Talk:
         if not rest:
             raise BadInputError("it needs a step; /history lists them", where="/back")
         self.conversation.fork(rest)
+        self._looking_back.again()
         self.printer.say(f"gone back; I am in {self.conversation.place}")
         left = self.conversation.unfinished
         if left is not None:

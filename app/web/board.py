@@ -9,10 +9,8 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from app.web.rows import attempt_row, curve, lamps, millimetres, object_row, plan_panel, verdict_row
-
-MAX_ATTEMPTS = 24
-"""Attempts kept on the timeline."""
+from app.timeline import Timeline
+from app.web.rows import lamps, millimetres, object_row, plan_panel
 
 
 class Board:
@@ -22,6 +20,8 @@ class Board:
         self._tell = tell
         self._lock = threading.RLock()
         self.parts: dict[str, Any] = {}
+        self.timeline = Timeline(lambda rows: self.put("attempts", rows))
+        """The motions with their forces."""
         self.clear()
 
     def clear(self) -> None:
@@ -37,6 +37,7 @@ class Board:
 
     def on_step(self, step: Any) -> None:
         """Takes from a step what belongs on a panel."""
+        self.timeline.on_step(step)
         take = getattr(self, f"_on_{step.kind}", None)
         if take is not None:
             with self._lock:
@@ -104,31 +105,14 @@ class Board:
     def _on_action(self, step: Any) -> None:
         if step.plan is not None:
             self.put("plan", plan_panel(step.plan, self.name(step.plan.target)))
-        row = attempt_row(step.motion, step.attempt, step.level, step.tool, step.plan)
-        self.put("attempts", [*self.parts["attempts"], row][-MAX_ATTEMPTS:])
-
-    def _on_observation(self, step: Any) -> None:
-        stopped = step.sensing is not None and step.sensing.stopped_by == "stop"
-        state = "stopped" if stopped else "claimed" if step.claimed else "failed"
-        self._last_attempt(state=state, failure=step.failure)
-
-    def _on_reflection(self, step: Any) -> None:
-        if step.correction is not None:
-            self._last_attempt(correction=step.correction.rule)
 
     def restore(self, state: Any) -> None:
-        """The panels of a conversation that was left: what it saw, planned and tried. Forces were not kept."""
+        """The panels of a conversation that was left: what it saw, planned and tried."""
         with self._lock:
             if state.percept is not None:
                 self._see(state.percept)
             if state.plan is not None:
                 self.put("plan", plan_panel(state.plan, self.name(state.plan.target)))
-            rows = [
-                attempt_row(a.motion, a.number, a.level, "execute_grasp", a.plan)
-                | {"state": "claimed" if a.claimed else "failed", "failure": None if a.claimed else a.failure}
-                for a in state.attempts
-            ]
-            self.put("attempts", rows[-MAX_ATTEMPTS:])
 
     # Steps of the conversation ------------------------------------------------------------------------------------
 
@@ -136,19 +120,8 @@ class Board:
         self.pending(step)
 
     def _on_finished(self, step: Any) -> None:
-        result = step.result
-        records = [record for goal in result.goals for record in goal.attempts]
-        rows = list(self.parts["attempts"])
-        # The last attempts on the timeline are those of this turn; placing motions carry no record of their own.
-        grasps = [row for row in rows if row["tool"] == "execute_grasp"][-len(records) :] if records else []
-        for row, record in zip(grasps, records, strict=False):
-            row["observed"] = bool(record.success)
-            row["observed_failure"] = record.observed_failure
-            row["verdict"] = verdict_row(record.verdict)
-        if records:
-            self.put("attempts", rows)
-        if result.constraints and result.executed:
-            self.put("constraints", lamps(self.parts["constraints"], result))
+        if step.result.constraints and step.result.executed:
+            self.put("constraints", lamps(self.parts["constraints"], step.result))
 
     # Between steps ------------------------------------------------------------------------------------------------
 
@@ -165,14 +138,6 @@ class Board:
             question = f"May I grasp the {self.name(plan.target)}?"
         self.put("pending", {"question": question, "numbers": numbers, "thought": asked.thought})
 
-    def forces(self, rows: Sequence[dict[str, Any]]) -> None:
-        """The forces sensed so far in the running motion, for the last attempt on the timeline. From any thread."""
-        with self._lock:
-            attempts = self.parts["attempts"]
-            if attempts and rows and attempts[-1]["state"] == "moving":
-                motion = rows[-1]["motion"]
-                self._last_attempt(motion=motion, **curve([row for row in rows if row["motion"] == motion]))
-
     def remembered(self, items: Sequence[Any]) -> None:
         """What the episodic memory holds."""
         rows = [
@@ -184,8 +149,3 @@ class Board:
             for i in items
         ]  # fmt: skip
         self.put("memory", rows)
-
-    def _last_attempt(self, **changes: Any) -> None:
-        rows = self.parts["attempts"]
-        if rows:
-            self.put("attempts", [*rows[:-1], {**rows[-1], **changes}])

@@ -6,8 +6,6 @@ the desk's own thread, one after the other.
 
 from __future__ import annotations
 
-import queue
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -23,15 +21,12 @@ from app.web.replays import Replays
 from app.web.rows import candidates_of
 from app.web.status import Status
 from app.web.transcript import Transcript, entry_of
-from kb.errors import RagVlmError
+from app.web.worker import Worker
 
 if TYPE_CHECKING:
     from agent.chat import Conversation
     from app.options import RunOptions
     from app.web.view import View
-
-MAX_WAITING = 8
-"""Orders that may wait for the one being carried out."""
 
 
 class Desk:
@@ -42,7 +37,7 @@ class Desk:
         self._tell = tell
         self.status = Status()
         self.board = Board(lambda part, value: tell({"type": "board", "part": part, "value": value}))
-        self.live = Live(self._show_live, self._halted, lambda: self.board.forces(self.live.forces.rows()))
+        self.live = Live(self._show_live, self._halted, self._felt)
         self.pictures = Pictures(lambda names: self.board.put("pictures", names))
         self.transcript = Transcript(None)
         self.replays = Replays()
@@ -52,9 +47,7 @@ class Desk:
         self._stop_at = 0.0
         self._stop_told = False
         """The page has said itself that the running turn was stopped; the turn need not say it again."""
-        self._orders: queue.Queue[Callable[[], None] | None] = queue.Queue(MAX_WAITING)
-        self._thread = threading.Thread(target=self._work, name="ragvlm-desk", daemon=True)
-        self._thread.start()
+        self._worker = Worker(self.refuse, lambda: self._set(busy=False))
 
     # Sessions -----------------------------------------------------------------------------------------------------
 
@@ -102,6 +95,7 @@ class Desk:
     def _restore(self, talk: Conversation) -> None:
         """The panels of a session that was left: what it remembers, and what waits for a word."""
         self.board.restore(talk.state)
+        self.board.timeline.open(talk.folder, talk.state, talk.agent.opened.motions)
         self.board.remembered(talk.memory)
         if talk.pending is not None:
             self.board.pending(talk.pending)
@@ -153,10 +147,7 @@ class Desk:
 
     def order(self, work: Callable[[], None]) -> None:
         """Puts work in line; refuses it when too much waits already."""
-        try:
-            self._orders.put_nowait(work)
-        except queue.Full:
-            self.refuse("too many orders are waiting; one thing after the other, please")
+        self._worker.order(work)
 
     def refuse(self, text: str) -> None:
         """Says why something was not done."""
@@ -211,26 +202,13 @@ class Desk:
         """Stops the robot and ends the thread."""
         if self.talk is not None:
             self.talk.stop()
-        self._orders.put(None)
-        self._thread.join(timeout=10.0)
+        self._worker.close()
         self.live.close()
         self.pictures.close()
         if self.talk is not None:
             self.talk.close()
 
     # The desk's thread --------------------------------------------------------------------------------------------
-
-    def _work(self) -> None:
-        while (work := self._orders.get()) is not None:
-            try:
-                work()
-            except RagVlmError as error:
-                self.refuse(str(error))
-            except Exception as error:
-                # A bug must not end the desk: whoever sits at the page has to be able to stop the robot.
-                self.refuse(f"internal error: {type(error).__name__}: {error}")
-            finally:
-                self._set(busy=False)
 
     def _turn(self, words: str, start: Callable[[], Iterator[Any]], *, goes_on: bool) -> None:
         talk = self.talk
@@ -294,6 +272,10 @@ class Desk:
     def _show_live(self, qpos: Any) -> None:
         if self.status.replay is None:
             self.view.show(qpos)
+
+    def _felt(self) -> None:
+        """A phase is over; called in the thread of physics."""
+        self.board.timeline.forces(self.live.forces.rows())
 
     def _halted(self) -> None:
         """Physics has halted on a stop; called in its thread."""

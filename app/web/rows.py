@@ -9,8 +9,6 @@ from typing import Any
 from app.steps import NOTHING_NEAR
 from app.web.view import Candidate
 
-CURVE_POINTS = 240
-"""Most points of a force curve sent to a page."""
 UNITS = {
     "mm": (1.0, "mm", 1),
     "m": (1000.0, "mm", 1),
@@ -20,14 +18,6 @@ UNITS = {
     "kg": (1000.0, "g", 0),
 }
 """Ending of a measurement's name -> scale, unit and digits shown."""
-
-
-def attempt_row(motion: int, attempt: int, level: int, tool: str, plan: Any) -> dict[str, Any]:
-    """A motion that begins, as it stands on the timeline."""
-    return {
-        "motion": motion, "attempt": attempt, "level": level, "tool": tool, "force": plan.grasp.force if plan else None,
-        "state": "moving", "failure": None, "observed": None, "curve": [], "phases": [], "verdict": None,
-    }  # fmt: skip
 
 
 def object_row(thing: Any) -> dict[str, Any]:
@@ -77,34 +67,6 @@ def plan_panel(plan: Any, name: str) -> dict[str, Any]:
     return {
         "target": name, "region": plan.region, "quality": round(plan.quality.q, 2), "clearance": clear,
         "candidates": rows, "rejected": plan.rejected, "provenance": sources,
-    }  # fmt: skip
-
-
-def curve(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Force samples thinned to what a plot can show, and where the phases begin."""
-    start = rows[0]["t"]
-    step = max(1, math.ceil(len(rows) / CURVE_POINTS))
-    points = []
-    for first in range(0, len(rows), step):
-        part = rows[first : first + step]
-        # Peaks must survive: of each group the largest value is kept.
-        peak = [max(row[key] for row in part) for key in ("grip_n", "wrist_n")]
-        points.append([round(part[0]["t"] - start, 2), round(peak[0], 2), round(peak[1], 2)])
-    phases: list[list[Any]] = []
-    for row in rows:
-        if not phases or phases[-1][0] != row["phase"]:
-            phases.append([row["phase"], round(row["t"] - start, 2)])
-    return {"curve": points, "phases": phases}
-
-
-def verdict_row(verdict: Any) -> dict[str, Any] | None:
-    """The observer's measurements of one attempt."""
-    if verdict is None:
-        return None
-    return {
-        "lifted": round(verdict.lifted_m * 100, 1), "held": round(verdict.held_s, 1),
-        "slip": round(verdict.slip_m * 1000, 1), "peak": round(verdict.peak_force_n, 1),
-        "damage": list(verdict.damage), "disturbed": list(verdict.disturbed),
     }  # fmt: skip
 
 

@@ -13,6 +13,7 @@ import pytest
 
 from agent.chat.events import Asked, Finished, Noted, Refused, WhatIf
 from agent.events import Answer, BaseStep
+from agent.state import State
 from app.chat.changes import changes_of
 from app.chat.slash import COMMANDS, NAMES, command_of
 from app.command_line import run_command_line
@@ -43,7 +44,9 @@ class FakeConversation:
         if options.scene == "nowhere":
             raise BadInputError("there is no scene 'nowhere'", choices=("single_cup",))
         self.heard: list[str] = []
-        self.agent = SimpleNamespace(thread=thread)
+        world = SimpleNamespace(recorders=[], index=SimpleNamespace(sensors={}))
+        self.agent = SimpleNamespace(thread=thread, opened=SimpleNamespace(world=world, motions=0))
+        self.folder, self.state = None, State()
         self.place, self.asks, self.stopped = f"scene {options.scene}, seed 0", options.approve, False
         self.messages: tuple[tuple[str, str], ...] = ()
         self.pending = self.unfinished = None

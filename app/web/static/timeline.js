@@ -29,7 +29,7 @@ function plot(row) {
   return svg("svg", { viewBox: `0 0 ${W} ${H}`, preserveAspectRatio: "none", role: "img", "aria-label": `Forces over ${end.toFixed(1)} seconds, peak ${peak.toFixed(1)} newtons` }, ...parts);
 }
 
-const WORDS = { moving: ["wait", "● moving"], claimed: ["good", "✓ claims success"], failed: ["bad", "✕ claims failure"], stopped: ["bad", "⬣ stopped"] };
+const WORDS = { moving: ["wait", "● moving"], claimed: ["good", "✓ claims success"], failed: ["bad", "✕ claims failure"], stopped: ["bad", "⬣ stopped"], done: ["wait", "✓ done"] };
 const plain = (text) => text.toLowerCase().replaceAll("_", " ");
 
 function card(row, number) {

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from app.timeline import CURVE_POINTS, curve
 from app.web.replays import KEPT, Replays
-from app.web.rows import CURVE_POINTS, curve, measurement
+from app.web.rows import measurement
 from app.web.transcript import FILE, Transcript
 from app.web.transcript import KEPT as ENTRIES
 
