@@ -7,6 +7,7 @@ constraint is violated (ledger G15 to G17). Always to be shown beside the physic
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any, cast
 
 import mujoco
@@ -17,7 +18,7 @@ from kb.base import Finite, Noun
 from kb.grasp import Grasp, Quality
 from kb.vocabulary import FailureType
 from sim.footprint import geom_points
-from sim.hand import hand_boxes, swept_least
+from sim.hand import ROUNDING, hand_boxes, swept_distances, swept_least
 from sim.local_width import local_width, region_distance
 from sim.placed import Geom, PlacedObject
 from sim.pose import Array, point_in_body, rotation_of
@@ -80,7 +81,7 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
     thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
     if thing is None:
         return Outcome(gripped=None, failure="POSITION_ERROR", **base)
-    clearance = {other.id: swept_least(grasp, cloud(world, other)) for other in movable if other.id != thing.id}
+    clearance = {other.id: _clearance(world, other, grasp) for other in movable if other.id != thing.id}
     supports = tuple(other.id for other in movable if other.id != thing.id and _stands_on(world, other, thing))
     near = min((value for name, value in clearance.items() if name not in supports), default=math.inf)
     table = _above_table(grasp) >= TABLE_ALLOWANCE
@@ -114,26 +115,65 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
 
 def cloud(world: World, thing: PlacedObject) -> Array:
     """Points on and in an object where it is now [m], (N, 3), at most about 2 cm apart on its pieces."""
+    position, rotation = _pose(world, thing)
+    return np.vstack([piece.points for piece in _pieces(thing.geoms)]) @ rotation.T + position
+
+
+def _pose(world: World, thing: PlacedObject) -> tuple[Array, Array]:
+    """Position (3,) [m] and rotation (3, 3) of an object now."""
     address = world.index.objects[thing.id].qpos
     pose = np.array([*thing.position, *thing.quaternion]) if address is None else world.data.qpos[address]
-    return _local_cloud(thing.geoms) @ rotation_of(pose[3:]).T + pose[:3]
+    return pose[:3], rotation_of(pose[3:])
 
 
-def _local_cloud(geoms: tuple[Geom, ...]) -> Array:
-    """The points of an object in its own frame (N, 3) [m]; the same pieces are asked for at every grasp of a trial."""
-    known = _clouds.get(id(geoms))
+def _clearance(world: World, thing: PlacedObject, grasp: Grasp) -> float:
+    """Smallest distance of the swept hand from an object's `cloud` [m].
+
+    No point of a piece is nearer than the middle of its sphere by more than the sphere's radius, so that most pieces need
+    not be measured.
+    """
+    position, rotation = _pose(world, thing)
+    pieces = _pieces(thing.geoms)
+    middles = np.array([piece.middle for piece in pieces]) @ rotation.T + position
+    bounds = swept_distances(grasp, middles) - np.array([piece.radius for piece in pieces])
+    least = math.inf
+    for number in np.argsort(bounds).tolist():
+        if bounds[number] >= least + ROUNDING:
+            break
+        least = min(least, swept_least(grasp, pieces[number].points @ rotation.T + position))
+    return least
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Points on and in a piece of an object, and a sphere around them, in the object's frame."""
+
+    points: Array
+    middle: Array
+    radius: float
+    """[m]."""
+
+    @classmethod
+    def of(cls, points: Array) -> _Piece:
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        return cls(points, middle, float(np.linalg.norm(points - middle, axis=1).max()))
+
+
+def _pieces(geoms: tuple[Geom, ...]) -> tuple[_Piece, ...]:
+    """The pieces of an object; the same ones are asked for at every grasp of a trial."""
+    known = _known.get(id(geoms))
     if known is None or known[0] is not geoms:
-        known = geoms, np.vstack([_filled(geom_points(geom)) for geom in geoms])
-        while len(_clouds) >= KEPT:
-            _clouds.pop(next(iter(_clouds)), None)
-        _clouds[id(geoms)] = known
+        known = geoms, tuple(_Piece.of(_filled(geom_points(geom))) for geom in geoms)
+        while len(_known) >= KEPT:
+            _known.pop(next(iter(_known)), None)
+        _known[id(geoms)] = known
     return known[1]
 
 
 KEPT = 32
 """Objects whose points are kept: more than a scene has."""
-_clouds: dict[int, tuple[tuple[Geom, ...], Array]] = {}
-"""Identity of an object's pieces -> the pieces themselves, which keep their identity their own, and the points."""
+_known: dict[int, tuple[tuple[Geom, ...], tuple[_Piece, ...]]] = {}
+"""Identity of an object's pieces -> the pieces themselves, which keep their identity their own, and their points."""
 
 
 def _filled(corners: Array) -> Array:

@@ -146,19 +146,25 @@ class _Sweep:
         return best
 
     def bounds(self) -> Array:
-        """Lower bounds of the distances [m], shape (N,): how far outside the boxes around palm and fingers, largest side."""
+        """Lower bounds of the distances [m], shape (N,): the distances to the boxes around palm and fingers."""
         y_low, y_high = _AROUND_Y + _AROUND_OPENS * self.aperture
         z_low, z_high = _AROUND_Z - TCP_OFFSET
         x, y, z = np.abs(self.x), np.abs(self.y), self.z
         dy = np.maximum(y_low - y, y - y_high)
-        out = np.maximum(np.maximum(x - _AROUND_X, dy), np.maximum(z_low - self.standoff - z, z - z_high)).min(axis=0)
+        out = _outside(x - _AROUND_X, dy, np.maximum(z_low - self.standoff - z, z - z_high))
         if self.lift > 0.0:
             by_x, by_y, by_z = (self.lift * value for value in self.up.tolist())
             dx = np.maximum(min(0.0, by_x) - self.x, self.x - max(0.0, by_x)) - _AROUND_X
             dz = np.maximum(z_low + min(0.0, by_z) - z, z - (z_high + max(0.0, by_z)))
-            raised = np.maximum(np.maximum(dx, dy - abs(by_y)), dz)
-            np.minimum(out, raised.min(axis=0), out=out)
+            np.minimum(out, _outside(dx, dy - abs(by_y), dz), out=out)
         return out
+
+
+def _outside(dx: Array, dy: Array, dz: Array) -> Array:
+    """Smallest signed distance (N,) [m] to boxes from how far points are outside of them by side, (B, N) each."""
+    inside = np.minimum(np.maximum(np.maximum(dx, dy), dz).min(axis=0), 0.0)
+    dx, dy, dz = np.maximum(dx, 0.0), np.maximum(dy, 0.0), np.maximum(dz, 0.0)
+    return np.sqrt((dx * dx + dy * dy + dz * dz).min(axis=0)) + inside
 
 
 def _least(sweep: _Sweep) -> float:

@@ -85,19 +85,21 @@ def _pieces(
     model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int], middle: Array, axis: Array
 ) -> list[tuple[float, float]]:
     """Where a line runs through each geom: distances from `middle` along `axis` [m]."""
-    out = []
+    out: list[tuple[float, float]] = []
+    before, beyond, back = middle - FAR * axis, middle + FAR * axis, -axis
     for geom in geoms:
-        ahead = _ray(model, data, geom, middle - FAR * axis, axis)
-        if ahead < 0:
-            continue
-        behind = _ray(model, data, geom, middle + FAR * axis, -axis)
-        out.append((ahead - FAR, FAR - behind))
+        ahead = _ray(model, data, geom, before, axis)
+        if ahead >= 0:
+            out.append((ahead - FAR, FAR - _ray(model, data, geom, beyond, back)))
     return out
+
+
+MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
 
 
 def _ray(model: mujoco.MjModel, data: mujoco.MjData, geom: int, start: Array, direction: Array) -> float:
     kind = int(model.geom_type[geom])
-    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+    if kind == MESH:
         return mujoco.mj_rayMesh(model, data, geom, start, direction)
     return mujoco.mju_rayGeom(data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom], start, direction, kind)
 

@@ -17,6 +17,7 @@ from kb.grasp import Grasp
 from sim.arm_shape import table_clearance
 from sim.hand import FULL_LIFT
 from sim.kinematics import (
+    LIMIT_MARGIN,
     flipped,
     forward,
     grasp_pose,
@@ -24,7 +25,6 @@ from sim.kinematics import (
     inverse_many,
     pose_error,
     refine,
-    within_limits,
 )
 from sim.panda import Q_MAX, Q_MIN, READY
 
@@ -205,7 +205,16 @@ def line(pose: Array, offsets: Array, joints: Array, *, q7_drift: float = 0.0) -
         if jumps[best] > MAX_JUMP:
             return None
         path[index] = last = solutions[best]
-    return path if within_limits(path).all() else None
+        if not all(map(_inside, last.tolist(), _LOWEST, _HIGHEST)):
+            return None
+    return path
+
+
+_LOWEST, _HIGHEST = (Q_MIN + LIMIT_MARGIN).tolist(), (Q_MAX - LIMIT_MARGIN).tolist()
+
+
+def _inside(angle: float, low: float, high: float) -> bool:
+    return low < angle < high
 
 
 DRIFTS = (0.0, 0.5, -0.5, 1.0, -1.0)

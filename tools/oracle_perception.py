@@ -190,11 +190,13 @@ def _surface_in_object(obj: PlacedObject, points: int) -> Array:
     areas = np.array([_area(geom) for geom in obj.geoms])
     shares = np.maximum(40, (points * areas / areas.sum())).astype(int)
     clouds: list[Array] = []
+    middles, radii = np.array([geom.position for geom in obj.geoms], float), [_radius(geom) for geom in obj.geoms]
     for i, (geom, count) in enumerate(zip(obj.geoms, shares, strict=True)):
         cloud = _sample(geom, int(count)) @ rotation_of(geom.quaternion).T + np.asarray(geom.position)
         inside = np.zeros(len(cloud), bool)
+        apart = np.linalg.norm(middles - middles[i], axis=1)
         for j, other in enumerate(obj.geoms):
-            if i != j:
+            if i != j and apart[j] < radii[i] + radii[j]:
                 inside |= _inside(other, cloud)
         clouds.append(cloud[~inside])
     return np.concatenate(clouds)
@@ -210,6 +212,16 @@ def _area(geom: Geom) -> float:
     if geom.type in ("cylinder", "capsule"):
         return 2 * np.pi * s[0] * (2 * s[1] + s[0] * (2 if geom.type == "capsule" else 1))
     return 4 * np.pi * max(s) ** 2
+
+
+def _radius(geom: Geom) -> float:
+    """Radius of a sphere about a piece's middle that holds it [m]."""
+    s = geom.size
+    if geom.vertices is not None:
+        return float(np.linalg.norm(geom.vertices, axis=1).max())
+    if geom.type == "capsule":
+        return s[0] + s[1]
+    return {"sphere": s[0], "ellipsoid": max(s)}.get(geom.type, float(np.linalg.norm(s)))
 
 
 def _sample(geom: Geom, count: int) -> Array:
