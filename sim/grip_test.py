@@ -25,12 +25,14 @@ SETTLE_S = 0.02
 """Time in which the fingers follow a changed force [s]."""
 UPPER = 0.8
 """Quantile of the readings of a step that counts: what creeps carries less than what slides."""
-LEAST_RAISE = 1.3
-"""A grip that is too weak is raised by this factor at least."""
+LEAST_RAISE, TOO_WEAK = 1.3, 1.05
+"""A grip is too weak if more than its force times the second is wanted, and is raised by the first factor at least."""
 POOR_FRICTION = 0.3
 """Friction coefficient that the grip reckons with: glass and metal at their worst."""
 MARGIN = 1.5
 """The grip bears this many times the weight (ledger G9)."""
+LONGEST_ARM = 0.12
+"""A load hangs at most this far beside the grip [m]: a greater torque for its weight is a jerk and no lever."""
 TWIST_FRICTION, TWIST_RADIUS = 0.4, 0.014
 """Friction coefficient and effective radius [m] at which a pad resists turning about the closing axis."""
 
@@ -61,7 +63,7 @@ def trial_lift(motion: MotionRun, way: Array, force: float, most: float, speed: 
         load = float(np.quantile(motion.wrist.mass(felt), UPPER))
         torque = float(np.median(motion.wrist.torque(felt)[:, 1]))
         wanted = needed_force(load, torque)
-        if force < min(wanted, most):
+        if force < most and wanted > TOO_WEAK * force:
             force = min(max(wanted, LEAST_RAISE * force), most)
             motion.world.set_grip_force(force)
             motion.run(hold(before, holding_command(motion.aperture, force), SETTLE_S), "lift")
@@ -70,5 +72,6 @@ def trial_lift(motion: MotionRun, way: Array, force: float, most: float, speed: 
 
 def needed_force(load: float, torque: float) -> float:
     """Force [N] that holds a load [kg] and resists a torque about the closing axis [N m], at poor friction."""
-    weight = MARGIN * max(load, 0.0) * GRAVITY / (2.0 * POOR_FRICTION)
-    return max(weight, abs(torque) / (2.0 * TWIST_FRICTION * TWIST_RADIUS))
+    pull = max(load, 0.0) * GRAVITY
+    lever = min(abs(torque), pull * LONGEST_ARM)
+    return max(MARGIN * pull / (2.0 * POOR_FRICTION), lever / (2.0 * TWIST_FRICTION * TWIST_RADIUS))

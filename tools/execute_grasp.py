@@ -52,13 +52,20 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         obstacles=obstacles(args.percept),
         force_limit=abort_force(target),
         lift=lift_height(args.plan.grasp.position, others),
-        most_force=trial_lift_cap(target),
+        most_force=trial_lift_cap(target, args.plan.region),
     )
 
 
-def trial_lift_cap(target: PerceivedObject) -> float | None:
-    """Force up to which a test lift may raise the grip [N]; None where the category tells weight and friction."""
+def trial_lift_cap(target: PerceivedObject, region: str = "body") -> float | None:
+    """Force up to which a test lift may raise the grip [N]; None where nothing is to be learnt from it.
+
+    The category of a known thing tells weight and friction. What hangs by a loop may turn until its weight is below the
+    hand; pressing harder against that would only break the loop.
+    """
     if target.category != UNKNOWN_CATEGORY:
+        return None
+    part = target.part("handle") if region == "handle" else None
+    if part is not None and part.outward is not None:
         return None
     middle = target.affordance.fragility if target.fragility_range is None else sum(target.fragility_range) / 2
     return force_cap(max(target.affordance.fragility, middle))

@@ -8,7 +8,7 @@ import pytest
 
 from kb.grasp import Grasp
 from sim.draw_scene import draw_scene
-from sim.grip_test import MARGIN, POOR_FRICTION, needed_force
+from sim.grip_test import LONGEST_ARM, MARGIN, POOR_FRICTION, TWIST_FRICTION, TWIST_RADIUS, needed_force
 from sim.observer import Observer
 from sim.robot import Robot
 from sim.scene_spec import ObjectSpec, SceneSpec
@@ -55,5 +55,11 @@ def test_a_sufficient_grip_is_left_alone() -> None:
 def test_needed_force_is_margin_over_friction() -> None:
     """Weight over twice the friction coefficient, times the margin; torque by the pads' radius; the larger one counts."""
     assert needed_force(0.4, 0.0) == pytest.approx(MARGIN * 0.4 * 9.81 / (2 * POOR_FRICTION))
-    assert needed_force(0.0, 0.2) == needed_force(0.0, -0.2) > needed_force(0.0, 0.1)
+    assert needed_force(0.4, 0.4) == needed_force(0.4, -0.4) > needed_force(0.4, 0.3) > needed_force(0.4, 0.0)
     assert needed_force(-1.0, 0.0) == 0.0
+
+
+def test_a_torque_that_no_lever_explains_counts_as_far_as_one_does() -> None:
+    """60 g cannot pull with 0.25 N m: what is reckoned with is their weight on the longest arm."""
+    most = 0.06 * 9.81 * LONGEST_ARM / (2 * TWIST_FRICTION * TWIST_RADIUS)
+    assert needed_force(0.06, 0.25) == pytest.approx(most)

@@ -13,6 +13,8 @@ LAYER = 0.004
 """What rises less than this above its support is a part of its surface [m]: no object is that thin."""
 COMMON_AXIS = 0.004
 """Distance of the middles up to which two pieces have one axis [m]."""
+LID, LID_OFF = 0.2, 0.25
+"""What rises less than this share of the body below may lie off its axis by this share of its width: part of it is hidden."""
 CAP = 0.75
 """A round cap on a body that is not round is narrower than this share of the body's narrow side."""
 ALIGNED = 10.0
@@ -36,7 +38,7 @@ def is_part_of(upper: Measured, lower: Measured, both: Measured) -> bool:
             return True
     apart = float(np.hypot(*(upper.centre - lower.centre)))
     if apart > COMMON_AXIS:
-        return _within(upper, lower) and _symmetric(upper, lower)
+        return _within(upper, lower) and _symmetric(upper, lower, lid=height < LID * below)
     if upper.is_round and lower.is_round:
         return upper.radius < lower.radius + COMMON_AXIS and below > 0.5 * height
     if upper.is_round:
@@ -55,7 +57,8 @@ def continues(one: Measured, two: Measured) -> bool:
             continue
         square = _angle(first, second) > 45.0
         half = float(second.box.size[1 if square else 0]) / 2
-        if -0.3 * half < x - float(first.box.size[0]) / 2 - half < ABUTS:
+        # Edges are seen twice, so that the outlines overlap; but the middle of one lies beyond the end of the other.
+        if -half < x - float(first.box.size[0]) / 2 - half < ABUTS:
             return True
     return False
 
@@ -76,13 +79,14 @@ def _within(upper: Measured, lower: Measured) -> bool:
     return bool(np.all(upper.box.size[:2] < lower.box.size[:2] + COMMON_AXIS))
 
 
-def _symmetric(piece: Measured, body: Measured) -> bool:
+def _symmetric(piece: Measured, body: Measured, *, lid: bool = False) -> bool:
     """Its middle lies on the body's long axis, and its sides are parallel to the body's."""
     if piece.is_round or body.is_round:
         return False
     off = abs(float(body.box.local(piece.box.centre[None])[0, 1]))
     angle = _angle(piece, body)
-    return off < COMMON_AXIS and min(angle, 90.0 - angle) < ALIGNED
+    most = max(COMMON_AXIS, LID_OFF * float(body.box.size[1])) if lid else COMMON_AXIS
+    return off < most and min(angle, 90.0 - angle) < ALIGNED
 
 
 def _angle(one: Measured, two: Measured) -> float:

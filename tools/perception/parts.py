@@ -20,6 +20,9 @@ LOOP_BULGE = 0.009
 WALL_BIAS, THINNEST_WALL = 0.001, 0.002
 """A ring of pixels looks this much thicker than the wall; thinner walls than the second cannot be told [m]."""
 
+LOOP = 1.5
+"""A loop is this many times as tall as it is thick; what is not is a stub: a bulb's base, a pear's end."""
+
 NARROW = 0.72
 """A neck's or stem's radius is below this share of the largest one."""
 
@@ -59,7 +62,8 @@ def _handle(m: Measured) -> list[Part]:
     reach = m.radius + m.bulge - min(width, 0.010) / 2
     z = m.blob.xyz[mine, 2]
     bottom, top = np.quantile(z, [0.02, 0.98])
-    if np.sum(mine & ~m.blob.from_top) < 10:  # seen from above only: a loop is about as far from both ends
+    shadowed = top - bottom < LOOP * width and _behind(m, centre=m.centre + outward * reach)
+    if shadowed or np.sum(mine & ~m.blob.from_top) < 10:  # only its top is seen: a loop is about as far from both ends
         bottom = m.base + max(m.top - top, 0.0)
     centre = m.centre + outward * reach
     return [
@@ -74,6 +78,14 @@ def _handle(m: Measured) -> list[Part]:
             confidence=float(np.clip(mine.sum() / 60, 0.3, 1.0)),
         )
     ]
+
+
+def _behind(m: Measured, centre: Array) -> bool:
+    """Whether the round body hides what is at `centre` (2,) [m] from the front camera."""
+    away = m.centre - m.blob.eyes[0, :2]
+    away /= np.linalg.norm(away)
+    x, y = centre - m.centre
+    return bool(x * away[0] + y * away[1] > 0.0 and abs(x * away[1] - y * away[0]) < m.radius)
 
 
 def _rim(m: Measured) -> list[Part]:

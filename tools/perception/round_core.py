@@ -1,7 +1,7 @@
 """The round body of a thing from which more than a handle sticks out: a teapot or a watering can has a spout, too.
 
 Seen from above, most directions end at one circle; the few that reach farther are protrusions. The one that is tall where
-it ends is a loop handle; a spout is not.
+it ends is a loop handle; what rises outwards is a spout.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from kb.percept import Part
 from tools.perception import sections
 from tools.perception.measure import Measured
+from tools.perception.parts import LOOP
 
 Array = NDArray[np.float64]
 
@@ -26,6 +28,8 @@ ROUGHEST = 0.05
 """Largest mean deviation of the other directions from the circle, over its radius."""
 WIDEST = 70.0
 """A protrusion that takes more degrees than this is part of the body."""
+SPOUT_SLOPE, SPOUT_LINE = 0.6, 0.8
+"""Rise per distance outwards of a spout at least, and how well its points follow that line (correlation)."""
 OUTER = 0.012
 """What lies within this of a protrusion's end tells how tall it is there [m]."""
 
@@ -38,6 +42,8 @@ class _Protrusion:
     """Height over which its outer end is seen [m]."""
     middle: float
     """Mean height of its outer end [m]."""
+    spout: bool = False
+    """It rises outwards."""
 
 
 def round_core(m: Measured) -> Measured | None:
@@ -52,7 +58,7 @@ def round_core(m: Measured) -> Measured | None:
     found = _protrusions(m.blob.xyz, centre, radius, reach)
     if not found:
         return None
-    handle = max(found, key=lambda item: (round(item.tall, 2), -item.middle))
+    handle = max(found, key=lambda item: (not item.spout, round(item.tall, 2), -item.middle))
     hollow, wall, rim = sections.hollow(m.blob, centre, radius, m.base, m.top)
     return replace(
         m,
@@ -66,6 +72,11 @@ def round_core(m: Measured) -> Measured | None:
         wall=wall,
         rim_radius=rim,
     )
+
+
+def has_loop(parts: tuple[Part, ...]) -> bool:
+    """Whether the handle among the parts is a loop; a round body with a stub has none."""
+    return any(part.region == "handle" and part.length > LOOP * part.width for part in parts)
 
 
 def _circle(xy: Array) -> tuple[Array, float, Array] | None:
@@ -130,7 +141,17 @@ def _protrusion(xyz: Array, centre: Array, radius: float, reach: Array, run: lis
     offset = xyz[:, :2] - centre
     along = offset @ np.array([np.cos(azimuth), np.sin(azimuth)])
     across = np.abs(offset @ np.array([-np.sin(azimuth), np.cos(azimuth)]))
-    z = xyz[(along > farthest - OUTER) & (along < farthest + 0.004) & (across < 0.6 * radius), 2]
+    mine = (along > radius + 0.5 * STICKS_OUT) & (along < farthest + 0.004) & (across < 0.6 * radius)
+    z = xyz[mine & (along > farthest - OUTER), 2]
     if len(z) < 4:
         return _Protrusion(azimuth, farthest, 0.0, 1.0)
-    return _Protrusion(azimuth, farthest, float(np.ptp(np.quantile(z, [0.05, 0.95]))), float(z.mean()))
+    spout = _rises(along[mine], xyz[mine, 2])
+    return _Protrusion(azimuth, farthest, float(np.ptp(np.quantile(z, [0.05, 0.95]))), float(z.mean()), spout)
+
+
+def _rises(along: Array, z: Array) -> bool:
+    """Whether points rise outwards along one line."""
+    if float(np.ptp(along)) < STICKS_OUT or float(np.ptp(z)) < STICKS_OUT:
+        return False
+    (spread, both), (_, rise) = np.cov(along, z)
+    return bool(both > SPOUT_SLOPE * spread and both > SPOUT_LINE * np.sqrt(spread * rise))

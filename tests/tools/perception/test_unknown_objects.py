@@ -82,3 +82,33 @@ def test_what_is_known_has_no_interval() -> None:
     assert apple.fragility_range is None
     assert first_force(apple) is None
     assert trial_lift_cap(apple) is None
+
+
+@pytest.mark.parametrize("seed", [13_000, 13_004])
+def test_a_loop_behind_the_body_is_told_from_the_spout_in_front(seed: int) -> None:
+    """The front camera sees the can's spout well and its loop not at all; the handle is the loop, and as tall as one."""
+    handle = seen("watering_can", seed).part("handle")
+    assert handle is not None
+    assert handle.outward is not None
+    assert handle.outward[0] < -0.9
+    assert handle.length == pytest.approx(0.085, abs=0.012)
+
+
+def test_a_stub_is_no_handle() -> None:
+    """A lying bulb is a round body from which its base sticks out; it is taken by its body, as gently as an egg."""
+    bulb = seen("light_bulb", 13_001)
+    assert bulb.part("handle") is None
+    assert bulb.affordance.type == "WRAPPABLE"
+
+
+def test_a_grip_on_a_loop_is_not_raised() -> None:
+    """What hangs by a loop may turn; the test lift presses harder on a body only."""
+    pot = seen("teapot")
+    assert trial_lift_cap(pot, "handle") is None
+    assert trial_lift_cap(pot, "body") is not None
+
+
+@pytest.mark.parametrize(("model", "seed"), [("hammer", 13_002), ("kitchen_knife", 13_007), ("paperback", 13_002)])
+def test_pieces_on_one_axis_are_one_thing(model: str, seed: int) -> None:
+    """A head across its handle, a blade's root and the top of a book's pages: `seen` asserts that there is one object."""
+    assert seen(model, seed).category == UNKNOWN_CATEGORY
