@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -65,3 +66,22 @@ def test_the_key_is_in_nothing_that_a_command_writes(tmp_path: Path, capsys: pyt
         assert KEY not in told.out + told.err
         for file in folder.rglob("*"):
             assert not file.is_file() or KEY.encode() not in file.read_bytes()
+
+
+def test_every_prompt_reply_refusal_and_fallback_is_in_the_trace(tmp_path: Path) -> None:
+    """What the server was sent and what it replied stand in `trace.jsonl` of `--record`, word for word, with every refusal
+    and its reason, and both fallbacks."""
+    with fault_server(("ok", "no JSON at all")) as server:
+        arguments = [
+            "run", "pick up the cube", "--scene", "single_cube", "--seed", "10001", "--perception", "oracle", "--dry-run",
+            "--brain", "openai:good", "--base-url", server.url, "--no-brain-pictures", "--record", str(tmp_path / "trace"),
+        ]  # fmt: skip
+        assert run_command_line(arguments) == 0
+        sent = [[message["content"] for message in request["messages"]] for request in server.requests]
+    rows = [json.loads(line) for line in (tmp_path / "trace" / "trace.jsonl").read_text().splitlines()]
+    calls = [row["exchange"] for row in rows if row["kind"] == "model_call"]
+    assert [[message["text"] for message in call["messages"]] for call in calls] == sent
+    assert [call["reply"] for call in calls] == ["no JSON at all"] * 8
+    assert [row["role"] for row in rows if row["kind"] == "refused"] == ["understand"] * 4 + ["think"] * 4
+    assert all(row["reason"] for row in rows if row["kind"] == "refused")
+    assert [row["role"] for row in rows if row["kind"] == "fallback"] == ["understand", "think"]
