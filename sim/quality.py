@@ -7,6 +7,7 @@ Nothing here knows MuJoCo, scenes or perception.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -116,17 +117,70 @@ def grade_numbers(
     aperture: float, force: float, type_: GraspType, subject: Subject
 ) -> tuple[float, tuple[float, float, float, float, float, float, float]]:
     """Q and the seven factors of a grasp with this opening [m], force [N] and type."""
-    phi = (
-        _clip(1.0 - subject.region_distance / REACH_ERROR),
-        width_factor(aperture, subject.width),
-        force_factor(force, subject),
-        TYPE_MATCH[subject.affordance][type_],
-        _clip(subject.clearance / FULL_CLEARANCE),
-        difficulty_factor(subject),
-        _clip(force / holding_force(subject.mass, subject.friction) - 1.0),
-    )
-    # Eq. (2). The sum of the weights is 1 only up to rounding, hence the clip.
-    return _clip(sum(w * value for w, value in zip(WEIGHTS, phi, strict=True))), phi
+    load = Load.of(subject.mass, subject.friction, subject.fragility, subject.affordance)
+    return load.grade(aperture, force, type_, subject.region_distance, subject.width, subject.clearance)
+
+
+@dataclass(frozen=True)
+class Load:
+    """What all grasps of one object have in common in Eq. (2)."""
+
+    holding: float
+    """`holding_force` [N]."""
+    least: float
+    """`minimum_force` [N]."""
+    most: float
+    """`maximum_force` [N]."""
+    match: Mapping[GraspType, float]
+    """phi_4 by type."""
+    fragile: float
+    """Fragility's share of the difficulty."""
+    heavy: float
+    """The mass's share of the difficulty."""
+
+    @classmethod
+    def of(cls, mass: float, friction: float, fragility: float, affordance: AffordanceType) -> Load:
+        """The load that an object of this mass [kg], friction, fragility and affordance is."""
+        holding = holding_force(mass, friction)
+        return cls(
+            holding,
+            SAFETY * holding,
+            maximum_force(fragility),
+            TYPE_MATCH[affordance],
+            0.5 * fragility,
+            0.2 * min(1.0, mass / 1.0),
+        )
+
+    def grade(
+        self, aperture: float, force: float, type_: GraspType, region_distance: float, width: float, clearance: float
+    ) -> tuple[float, tuple[float, float, float, float, float, float, float]]:
+        """Q and the seven factors of a grasp; in plain numbers, because planning grades every candidate.
+
+        Args:
+            aperture: Opening before closing [m].
+            force: Per finger [N].
+            type_: Of the grasp.
+            region_distance: e_p [m].
+            width: w_o [m].
+            clearance: d_min [m].
+        """
+        low = (force - 0.5 * self.least) / (0.5 * self.least)
+        high = (1.5 * self.most - force) / (0.5 * self.most)
+        phi = (
+            _clip(1.0 - region_distance / REACH_ERROR),
+            width_factor(aperture, width),
+            # 1 between f_min and f_max, linear to 0 at half f_min and at one and a half f_max.
+            _clip(low if low < high else high),
+            self.match[type_],
+            _clip(clearance / FULL_CLEARANCE),
+            # 1 minus the difficulty: fragile, wide and heavy things are hard.
+            _clip(1.0 - (self.fragile + 0.3 * min(1.0, width / 0.08) + self.heavy)),
+            _clip(force / self.holding - 1.0),
+        )
+        a, b, c, d, e, f, g = WEIGHTS
+        # Eq. (2). The sum of the weights is 1 only up to rounding, hence the clip.
+        total = a * phi[0] + b * phi[1] + c * phi[2] + d * phi[3] + e * phi[4] + f * phi[5] + g * phi[6]
+        return _clip(total), phi
 
 
 def width_factor(aperture: float, width: float) -> float:
@@ -134,18 +188,6 @@ def width_factor(aperture: float, width: float) -> float:
     if width > WIDEST_OBJECT or aperture < width + FIT_ALLOWANCE:
         return 0.0
     return _clip(1.0 - abs(aperture - (width + BEST_ALLOWANCE)) / WIDTH_SCALE)
-
-
-def force_factor(force: float, subject: Subject) -> float:
-    """phi_3: 1 between f_min and f_max, linear to 0 at half f_min and at one and a half f_max."""
-    return min(_low_side(force, subject), _high_side(force, subject))
-
-
-def difficulty_factor(subject: Subject) -> float:
-    """phi_6: 1 minus the object's difficulty: fragile, wide and heavy things are hard."""
-    wide = min(1.0, subject.width / 0.08)
-    heavy = min(1.0, subject.mass / 1.0)
-    return _clip(1.0 - (0.5 * subject.fragility + 0.3 * wide + 0.2 * heavy))
 
 
 def passes(quality: Quality) -> bool:
@@ -192,4 +234,4 @@ def _high_side(force: float, subject: Subject) -> float:
 
 
 def _clip(value: float) -> float:
-    return min(1.0, max(0.0, value))
+    return 0.0 if value < 0.0 else 1.0 if value > 1.0 else value

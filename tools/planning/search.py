@@ -13,13 +13,13 @@ from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.sensing import Correction
 from sim.hand import FULL_LIFT, HAND_RADIUS, swept_clearance, swept_count
-from sim.quality import grade_numbers
+from sim.quality import Load
 from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
 from tools.planning.force_choice import ForceTerms
 from tools.planning.grasp_prior import GraspPrior
 from tools.planning.posture import ArmWay, Posture
-from tools.planning.rank_candidates import ROOMY, Ranked, estimate, graded_as, total_score
+from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
 from tools.planning.shape_grasp import first_opening, narrow_opening, shape_grasp
 
 MEASURED = 150
@@ -74,8 +74,10 @@ class Search:
         narrow_exists = any(item.candidate.width <= WIDEST_GRIP for item in pool)
         # With full clearance assumed, a score is an upper bound: the best measured one above all bounds is the best.
         # Most candidates are never looked at again, so the bound is a number and no grasp is made for it.
+        affordance = self.subject.affordance
+        load = Load.of(force.mass, force.friction, affordance.fragility, affordance.type)
         heap: list[tuple[float, str, Constrained | Ranked]] = [
-            (-self._bound(item, prior, force, narrow_exists), item.candidate.name, item) for item in pool
+            (-self._bound(item, prior, force, load, narrow_exists), item.candidate.name, item) for item in pool
         ]
         heapq.heapify(heap)
         found: list[tuple[Ranked, Posture]] = []
@@ -105,11 +107,11 @@ class Search:
         self.calm = False
         self.unreachable.clear()
 
-    def _bound(self, item: Constrained, prior: GraspPrior, force: ForceTerms, narrow_exists: bool) -> float:
+    def _bound(self, item: Constrained, prior: GraspPrior, force: ForceTerms, load: Load, narrow_exists: bool) -> float:
         """The score that a candidate would have with full clearance and its first opening."""
         candidate = item.candidate
-        told = graded_as(self.subject, candidate, ROOMY, force.mass, force.friction)
-        q, _ = grade_numbers(first_opening(candidate, self.correction), force.force(candidate), candidate.type, told)
+        opening = first_opening(candidate, self.correction)
+        q, _ = load.grade(opening, force.force(candidate), candidate.type, candidate.miss, candidate.width, ROOMY)
         return self._score(q, item, prior, ROOMY, narrow_exists)
 
     def _score(self, q: float, item: Constrained, prior: GraspPrior, clearance: float, narrow_exists: bool) -> float:
