@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated, Any, Optional
 
 import typer
 
@@ -25,7 +25,7 @@ Scene = Annotated[
 ]
 Seed = Annotated[
     Optional[int],  # noqa: UP045
-    typer.Option("--seed", metavar="N", help="Everything random follows from it [default: 0].", rich_help_panel=WORLD),
+    typer.Option("--seed", metavar="N", help="Everything random follows from it (default: 0).", rich_help_panel=WORLD),
 ]
 Brain = Annotated[
     Optional[str],  # noqa: UP045
@@ -159,3 +159,25 @@ Config = Annotated[
         rich_help_panel=OUTPUT,
     ),
 ]
+
+CONVERSATION: dict[str, Any] = {
+    "scene": Scene,
+    "seed": Seed,
+    "brain": Brain,
+    "base_url": BaseUrl,
+    "brain_pictures": BrainPictures,
+    "record_brain": RecordBrain,
+    "perception": Perception,
+    "evaluator": Evaluator,
+    "configuration": Configuration,
+    "embedder": Embedder,
+    "kb": Kb,
+    "kb_url": KbUrl,
+    "learn": Learn,
+    "approve": Approve,
+    "dry_run": DryRun,
+    "thread": Thread,
+}
+"""Field of `app.options.RunOptions` -> the option that sets it, for whatever talks with the robot."""
+SINGLE_RUN: dict[str, Any] = {**CONVERSATION, "json": Json, "record": Record}
+"""The same for a single run, which can be written to files."""

@@ -169,7 +169,8 @@ class Learner:
     def after(self, agent: Agent) -> Iterator[BaseStep]:
         """Enters the attempts of the turn that has just ended and says what came of them.
 
-        A claimed success is confirmed by setting down and lifting again; then the world is as the turn had left it.
+        A claimed success is confirmed by setting down and lifting again; then the world is as the turn had left it. Who
+        wants to be asked before every motion is not surprised by that one: the success is left out of what is learnt.
         """
         from agent.events import Thought
         from agent.lessons import confirm, lessons_of
@@ -181,11 +182,13 @@ class Learner:
             return
         confirmed: bool | None = False
         if attempts[-1].claimed and state.held is not None:
-            moment = agent.opened.snapshot()
-            word = confirm(attempts[-1], agent.context.tools)
-            agent.opened.restore(moment)
-            confirmed = word.confirmed if word.lift is not None else None
-            yield Thought(text=f"To be sure before I learn it, I set it down and lift it again: {word.says}.")
+            confirmed = None
+            if not agent.context.approve:
+                moment = agent.opened.snapshot()
+                word = confirm(attempts[-1], agent.context.tools)
+                agent.opened.restore(moment)
+                confirmed = word.confirmed if word.lift is not None else None
+                yield Thought(text=f"To be sure before I learn it, I set it down and lift it again: {word.says}.")
         lessons = lessons_of(attempts, confirmed, self._base.header.embedder, agent.context.seed)
         for change in learn_experience(lessons, self._base, self._suite, self._rules):
             yield Thought(text=f"Knowledge base, version {change.version}, {change.kind}: {change.says}.")

@@ -32,7 +32,7 @@ import functools
 import queue
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from agent.chat.heard import heard
 from agent.chat.questions import Questions
@@ -72,7 +72,7 @@ class Conversation(Questions):
         threads: str | Path | None = None,
         asks: bool = False,
         **options: Any,
-    ) -> Conversation:
+    ) -> Self:
         """Opens the world and takes up the thread; nothing moves yet.
 
         Args:
@@ -110,7 +110,7 @@ class Conversation(Questions):
         talk._stand()
         return talk
 
-    def __enter__(self) -> Conversation:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -11,6 +11,7 @@ from app.chat.printing import ChatPrinter
 from app.chat.talk import Talk
 from app.console import make_console
 from app.exit_codes import INTERRUPTED
+from app.open_conversation import open_conversation
 from kb.errors import EnvironmentFaultError
 
 if TYPE_CHECKING:
@@ -58,26 +59,6 @@ def _open(options: RunOptions, printer: ChatPrinter, *, person: bool) -> Convers
             raise
         printer.say(f"this conversation is not kept: {error}", "yellow")
         return open_conversation(options, None)
-
-
-def open_conversation(options: RunOptions, thread: str | None) -> Conversation:
-    """The conversation that the options describe."""
-    from agent.chat import Conversation
-
-    return Conversation.open(
-        options.scene,
-        options.seed,
-        thread=thread,
-        asks=options.approve,
-        brain=options.brain,
-        perception=options.perception,
-        evaluator=options.evaluator,
-        configuration=options.configuration,
-        dry_run=options.dry_run,
-        base_url=options.base_url,
-        record_brain=options.record_brain,
-        brain_pictures=options.brain_pictures,
-    )
 
 
 def _greet(conversation: Conversation, printer: ChatPrinter, *, told: bool) -> None:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from app.open_conversation import open_conversation
 from app.web.board import Board
 from app.web.live import Live
-from app.web.opening import open_conversation
 from app.web.pictures import Pictures
 from app.web.replays import Replays
 from app.web.rows import candidates_of
@@ -57,7 +57,7 @@ class Desk:
         Raises:
             RagVlmError: as `Conversation.open`.
         """
-        talk = open_conversation(options)
+        talk = open_conversation(options, options.thread)
         if self.talk is not None:
             self.live.detach()
             self.talk.close()

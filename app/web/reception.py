@@ -13,8 +13,8 @@ from typing import Any
 from app.web.desk import Desk
 from app.web.gate import Reply
 from app.web.hall import Hall, Page
-from app.web.opening import ends_of_turns
 from app.web.orders import parse_enter, parse_order
+from app.web.points import ends_of_turns
 from kb.errors import BadInputError, RagVlmError
 
 KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}

@@ -227,6 +227,27 @@ def test_save_writes_all_results(talk, tmp_path: Path) -> None:
     assert [row["instruction"] for row in json.loads(target.read_text())] == ["one", "two"]
 
 
+def test_options_reach_the_conversation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What is given on the command line is what the conversation is opened with, for the terminal and the page alike."""
+    from app import open_conversation as module
+    from app.options import RunOptions
+
+    given: dict[str, Any] = {}
+
+    def opening(*places: Any, **options: Any) -> SimpleNamespace:
+        given.update(options, places=places)
+        return SimpleNamespace()
+
+    monkeypatch.setattr(module.LearningConversation, "open", opening)
+    options = RunOptions(scene="s", seed=4, kb="base.jsonl", embedder="clip:x", brain_pictures=False, approve=True)
+    module.open_conversation(options, "t")
+    assert given["places"] == ("s", 4)
+    assert (given["store"], given["embedder"], given["learn"]) == ("base.jsonl", "clip:x", False)
+    assert (given["thread"], given["asks"], given["brain_pictures"]) == ("t", True, False)
+    talk = module.open_conversation(RunOptions(learn=True, kb=str(tmp_path / "learning")), None)
+    assert given["store"] is talk.learner.store
+
+
 def test_changes_are_read_with_their_units() -> None:
     """Millimetres, degrees and newtons without a unit; with one, that; free wording as in a sentence."""
     read = changes_of("aperture=6cm yaw=90deg force=4 N type=Pinch", where="x")
