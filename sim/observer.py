@@ -121,8 +121,10 @@ class Observer:
             attempt: Compares with where things were when this motion began; now if None.
         """
         poses = self.poses()
-        if attempt is not None and attempt in self._pieces:
-            first = self._pieces[attempt][0].pose[0]
+        # A motion for which no way was found left no record: things stood then as when the next one began.
+        began = None if attempt is None else min((n for n in self._pieces if n >= attempt), default=None)
+        if began is not None:
+            first = self._pieces[began][0].pose[0]
             poses = {name: first[column] for column, name in enumerate(self.layout.objects)}
         return self.nearest(category, position, poses)
 

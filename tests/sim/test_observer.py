@@ -283,3 +283,14 @@ def test_letting_go_does_not_squeeze() -> None:
     track = observer._motion(world.attempt)["cube"].track
     assert float(track.pads[track.rows("release")].max()) < 4.0
     assert observer.damaged() == ()
+
+
+def test_what_was_meant_by_a_motion_that_was_never_begun() -> None:
+    """An attempt without a way to it leaves no record; what it meant is found where things stood, not in the hand now."""
+    world = World(scene(thing("wood_cube", "cube", 0.5, 0.05)))
+    robot, observer = Robot(world), Observer(world)
+    robot.grasp(grasp(1.5, 0.05, 0.025))
+    never = world.attempt
+    robot.grasp(grasp(0.5, 0.05, 0.025))
+    assert never not in observer.attempts
+    assert observer.meant("cube", (0.5, 0.05, 0.025), never) == "cube"
