@@ -202,3 +202,23 @@ def test_only_observables_go_in() -> None:
     """The arguments hold plan, sensing, looks and constraints: no field of the observer's verdict."""
     assert set(ClassifyArgs.model_fields) == {"plan", "evidence", "constraints", "target", "percept"}
     assert set(Evidence.model_fields) == {"sensing", "camera", "places"}
+
+
+def test_a_wide_thing_taken_by_its_edge_may_still_rest_on_its_far_end() -> None:
+    """A plate of 20 cm tilts by a few degrees in the hand: what its far end bears after 2 cm is no doubt, a bowl's is one."""
+    for width, claimed in ((0.20, True), (0.12, False)):
+        seen = solid("t", "bowl", 0.5, 0.1)
+        seen = seen.model_copy(update={"size": (width, width, 0.05)})
+        plan = plan_of(CUBE)
+        x, y, z = seen.position
+        plan = bent(plan, position=(x + width / 2, y, z)).model_copy(update={"region": "rim", "local_width": 0.005})
+        found = diagnosed(
+            seen,
+            plan=plan,
+            load_lifted=0.0,
+            load_end=0.3,
+            aperture_closed=0.005,
+            aperture_lifted=0.005,
+            aperture_end=0.005,
+        )
+        assert found.claimed == claimed, found.reasons

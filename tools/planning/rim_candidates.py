@@ -28,6 +28,8 @@ BOWL_DRAFT = math.radians(12.0)
 """Tilt of a bowl's wall off vertical where the surface doesn't tell [rad] (physics.md: 12.4 degrees)."""
 MAX_DRAFT = math.radians(25.0)
 """Steeper tilts bring the palm down on the opposite rim [rad]."""
+PLATE_DEPTH, PLATE_DRAFT = 0.025, math.radians(40.0)
+"""An empty vessel shallower than the first [m] is a plate: nothing of it is in the palm's way, and its wall leans more [rad]."""
 FLOOR_MARGIN = 0.003
 """Room between the inner fingertip and the floor of a shallow vessel, a plate's for instance [m]."""
 SHALLOWEST = 0.004
@@ -107,7 +109,7 @@ def wall_draft(subject: PerceivedObject, rim: Part) -> float:
     """Tilt of the outer wall off vertical near the rim [rad], from the observed surface, 12 degrees for a bowl without.
 
     The outer wall is what lies within 4 mm of the largest radius at its height; its radius is fitted over the upper
-    35 mm by least squares.
+    35 mm, or the depth of a plate, by least squares.
     """
     fallback = BOWL_DRAFT if subject.shape == "bowl" else 0.0
     points_w = subject.surface_points()
@@ -116,7 +118,8 @@ def wall_draft(subject: PerceivedObject, rim: Part) -> float:
     offset = points_w[:, :2] - np.asarray(rim.centre)[:2]
     radius, height = np.hypot(offset[:, 0], offset[:, 1]), points_w[:, 2] - rim.centre[2]
     handle = subject.part("handle")
-    keep = (height < 0.002) & (height > -0.035) & (radius < rim.radius + 0.006)
+    plate = rim.length < PLATE_DEPTH and subject.state == "empty"
+    keep = (height < 0.002) & (height > -(rim.length if plate else 0.035)) & (radius < rim.radius + 0.006)
     if handle is not None and handle.outward is not None:
         sideways = offset @ np.asarray(handle.outward)[:2]
         keep &= sideways < 0.8 * radius
@@ -128,7 +131,7 @@ def wall_draft(subject: PerceivedObject, rim: Part) -> float:
     if float(spread @ spread) < 2e-4:
         return fallback
     slope = float(spread @ (radii - radii.mean()) / (spread @ spread))
-    return float(np.clip(math.atan(slope), 0.0, MAX_DRAFT))
+    return float(np.clip(math.atan(slope), 0.0, PLATE_DRAFT if plate else MAX_DRAFT))
 
 
 def _outermost(radius: Array, height: Array) -> Array:

@@ -19,6 +19,7 @@ from tools.execute_grasp import trial_lift_cap
 from tools.perceive import PerceiveArgs
 from tools.perception.rgbd_perceiver import RgbdPerceiver
 from tools.planning.force_choice import first_force, force_cap
+from tools.planning.rim_candidates import rim_candidates
 
 
 @cache
@@ -112,3 +113,14 @@ def test_a_grip_on_a_loop_is_not_raised() -> None:
 def test_pieces_on_one_axis_are_one_thing(model: str, seed: int) -> None:
     """A head across its handle, a blade's root and the top of a book's pages: `seen` asserts that there is one object."""
     assert seen(model, seed).category == UNKNOWN_CATEGORY
+
+
+def test_the_hand_leans_with_the_wall_of_a_plate() -> None:
+    """A plate's wall lies nearly flat; its grips lean by 40 degrees, a bowl's by 25 at most."""
+    plate, bowl = seen("dinner_plate"), seen("rice_bowl")
+    tilts = [
+        max(item.tilt for item in rim_candidates(thing, rim, "rim"))
+        for thing in (plate, bowl)
+        if (rim := thing.part("rim")) is not None
+    ]
+    assert np.degrees(tilts) == pytest.approx([40.0, 25.0], abs=0.5)
