@@ -9,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 
 from langgraph.graph import StateGraph
 
-from agent import motions, nodes, routing
+from agent import motions, nodes, put_down, routing
 from agent.approve_place import approve_place
 from agent.context import AgentContext
 from agent.simulate import simulate
@@ -37,7 +37,8 @@ def wire(
     for node in (
         nodes.understand, nodes.look, nodes.ground, nodes.retrieve, nodes.build_graph, nodes.constrain, nodes.remove_first,
         nodes.choose, nodes.plan, nodes.look_once_more, nodes.think, nodes.rehearse, motions.approve, motions.act,
-        motions.look_after, motions.observe, motions.set_back, motions.reflect, motions.remember, approve_place, motions.place,
+        motions.look_after, motions.observe, motions.set_back, motions.reflect, motions.remember, approve_place, put_down.place,
+        put_down.look_at_placed,
         nodes.give_up, nodes.conclude, nodes.answer, simulate,
     ):  # fmt: skip
         graph.add_node(node.__name__, wrap(node))
@@ -65,7 +66,8 @@ def wire(
         "remember", wrap(routing.after_remember), _through(routing.after_remember, before_motion)
     )
     graph.add_conditional_edges("approve_place", routing.after_approve_place)
-    graph.add_conditional_edges("place", routing.go_on)
+    graph.add_conditional_edges("place", routing.after_place)
+    graph.add_conditional_edges("look_at_placed", routing.after_place)
     graph.add_conditional_edges("give_up", routing.go_on)
     graph.add_conditional_edges("conclude", routing.go_on)
     graph.add_conditional_edges("simulate", routing.go_on)

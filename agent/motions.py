@@ -9,14 +9,14 @@ from agent import events, phrases
 from agent.agenda import finish
 from agent.approval import Decision, apply_decision, proposal
 from agent.ask_brain import ask_reflection
-from agent.attempt import Attempt, Held, Moved, in_hand
+from agent.attempt import Attempt, Held, in_hand
 from agent.chat.steer import steered
 from agent.compare_looks import compare_looks
 from agent.context import AgentContext
 from agent.episode import history, with_success
 from agent.ladder import budget, irreversible, level_of
 from agent.nodes import look
-from agent.placing import origin_of, place_args, put_back_args
+from agent.placing import put_back_args
 from agent.state import State, Update, merged
 from agent.traced_tools import classify_failure, correct_grasp, execute_grasp, place_object
 from kb.percept import Percept
@@ -243,36 +243,3 @@ def remember(state: State, runtime: Run) -> Update:
     if state.goal.placement is not None:
         return update
     return merged(update, finish(state, claimed=True))
-
-
-def place(state: State, runtime: Run) -> Update:
-    """Puts down (or hands over) what is in the hand."""
-    context, times = runtime.context, dict[str, float]()
-    assert state.held is not None
-    opened = context.world.at(state.world)
-    context.emit(
-        events.Action(
-            text=phrases.placing(state.goal, state.held), goal=state.current, tool="place_object", motion=opened.motions
-        )
-    )
-    context.world.moving()
-    with context.timed("execution", times):
-        sensing = place_object(place_args(state), context.tool("place", opened.motions))
-    claimed, note = phrases.placed(sensing, state.goal, origin_of(state))
-    context.emit(events.Observation(text=note, goal=state.current, sensing=sensing, claimed=claimed))
-    handed = claimed and state.goal.placement is not None and state.goal.placement.kind == "hand_over"
-    still = state.held.model_copy(update={"handed_over": handed}) if opened.robot.holding else None
-    update = Update(
-        world=context.world.moved(),
-        stale=True,
-        executed=True,
-        sensing=sensing,
-        held=still,
-        moved=Moved(id=state.held.object.id, category=state.held.category, origin=state.held.object.position),
-        displaced=(*state.displaced, state.held.object.id),
-        motions={**state.motions, state.agenda[-1]: opened.motions},
-        times=times,
-    )
-    if not claimed and still is None and state.tries() and len(state.tries()) < budget(context.switches):
-        return update  # it was lost on the way: the goal goes on with another attempt from where it lies now
-    return merged(update, finish(state, claimed=claimed, note="" if claimed else note))

@@ -299,6 +299,8 @@ def placed(sensing: Sensing, goal: Goal, wanted: Vec2 | None = None) -> tuple[bo
     """
     if sensing.stopped_by == "stop":
         return False, "I was stopped while placing it."
+    if sensing.lost:
+        return False, "It slipped out of my hand on the way."
     if sensing.stopped_by == "path":
         return False, "I found no free place within reach."
     if sensing.stopped_by is not None:

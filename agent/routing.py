@@ -128,6 +128,11 @@ def after_approve_place(state: State) -> Literal["place", "ground", "answer"]:
     return "place" if state.consent else "ground"
 
 
+def after_place(state: State) -> Literal["look_at_placed", "look", "ground", "answer"]:
+    """What was put down is looked at before it is claimed."""
+    return "look_at_placed" if state.agenda and state.put_down is not None else go_on(state)
+
+
 def go_on(state: State) -> Literal["look", "ground", "answer"]:
     """The next open goal, with a fresh look if something has moved."""
     if state.refused or not state.agenda:

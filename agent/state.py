@@ -81,6 +81,8 @@ class State:
     """Perceived id of what was dealt with last, for "it" and "the other one"."""
     world: bytes = b""
     """Opaque snapshot after the last motion; empty while nothing has moved."""
+    put_down: Held | None = None
+    """What was just put down and has not been looked at since."""
     moved: Moved | None = None
     """What was put somewhere last, for "it" and "undo"."""
     displaced: tuple[str, ...] = ()
@@ -164,6 +166,7 @@ class Update(TypedDict, total=False):
     held: Held | None
     last_target: str | None
     world: bytes
+    put_down: Held | None
     moved: Moved | None
     displaced: tuple[str, ...]
     motions: dict[int, int]

@@ -30,6 +30,8 @@ class Sensing(Noun):
     """Wrist force that triggered the reflex [N]."""
     aimed_at: Vec2 | None = None
     """Where a placing motion set the footprint's centre down [m]: the free place that was chosen."""
+    lost: bool = False
+    """What was held slipped out of the hand on the way to a set-down."""
     abort_direction: Vec3 | None = None
     """Direction of that force on the hand, world frame."""
     approach_force: Finite = 0.0

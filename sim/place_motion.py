@@ -111,8 +111,8 @@ def place_pose(motion: MotionRun, position: Vec3, approach: Vec3 | None, yaw: fl
 
 def carry_above(
     motion: MotionRun, pose: Array, obstacles: Sequence[Obstacle], speed: float, load: Array | None = None
-) -> None:
-    """Carries what is held above the set-down pose and lowers it until contact is felt.
+) -> bool:
+    """Carries what is held above the set-down pose and lowers it until contact is felt; False if it slipped away.
 
     Args:
         motion: The motion.
@@ -137,7 +137,11 @@ def carry_above(
     recording = motion.run_guarded(samples, motion.grip, "carry", TRAVEL_FORCE)
     if held is not None:
         motion.carry(recording)
+        if not motion.holding:
+            motion.note(lost=True)
+            return False
     lower(motion, way.path, way.length, speed)
+    return True
 
 
 def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:

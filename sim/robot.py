@@ -152,8 +152,8 @@ class Robot:
         motion = MotionRun(self.world, self.stop)
         try:
             target = place_pose(motion, position, approach, yaw)
-            carry_above(motion, target, obstacles, speed, np.asarray(load, float).reshape(-1, 3))
-            let_go(motion, obstacles)
+            if carry_above(motion, target, obstacles, speed, np.asarray(load, float).reshape(-1, 3)):
+                let_go(motion, obstacles)
             if then_home:
                 home(motion, obstacles if left_behind is None else (*obstacles, left_behind))
         except HaltedError as halted:
