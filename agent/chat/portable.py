@@ -47,10 +47,8 @@ def export_session(thread: str, file: Path, threads: str | Path | None = None) -
                 if extra.is_file() and extra.name != "lock":
                     packed.write(extra, f"files/{extra.name}")
         size = part.stat().st_size
-        if size > MAX_BYTES:
-            raise BadInputError(
-                f"the session takes {size // 1_000_000} MB, at most {MAX_BYTES // 1_000_000}", where="export"
-            )
+        with zipfile.ZipFile(part) as packed:
+            _refuse_huge(packed, part)
         part.replace(file)
     except (OSError, sqlite3.Error) as error:
         raise EnvironmentFaultError(f"cannot write {file}: {error}", mend="name a file that can be written") from error
@@ -59,8 +57,16 @@ def export_session(thread: str, file: Path, threads: str | Path | None = None) -
     return size
 
 
-def import_session(file: Path, thread: str | None = None, threads: str | Path | None = None) -> str:
+def import_session(
+    file: Path, thread: str | None = None, threads: str | Path | None = None, *, free_name: bool = False
+) -> str:
     """Reads a session from a file, under its own name or another; returns the name.
+
+    Args:
+        file: What `export_session` wrote.
+        thread: Another name.
+        threads: File that keeps threads.
+        free_name: Where the name is taken, take the next free one like it.
 
     Raises:
         BadInputError: not such a file, a damaged one, or a name that is taken.
@@ -79,7 +85,10 @@ def import_session(file: Path, thread: str | None = None, threads: str | Path | 
         raise BadInputError(f"the file {file} does not exist", where="import") from None
     except (zipfile.BadZipFile, KeyError, ValueError, OSError, AttributeError) as error:
         raise BadInputError(f"this is not an exported session ({error})", where=str(file)) from error
-    if name in [info.thread for info in list_sessions(threads)]:
+    taken = [info.thread for info in list_sessions(threads)]
+    if free_name:
+        name = next(free for free in (name, *(f"{name[:58]}-{n}" for n in range(2, 10_000))) if free not in taken)
+    if name in taken:
         raise BadInputError(f"there is a session {name!r} already; delete it or give another name", where="import")
     _write(name, rows, extras, threads)
     return name
@@ -87,8 +96,10 @@ def import_session(file: Path, thread: str | None = None, threads: str | Path | 
 
 def _refuse_huge(packed: zipfile.ZipFile, file: Path) -> None:
     total = sum(item.file_size for item in packed.infolist())
-    if total > 4 * MAX_BYTES or len(packed.infolist()) > MAX_FILES:
-        raise BadInputError("this is too large for a session", where=str(file))
+    if total > MAX_BYTES or len(packed.infolist()) > MAX_FILES:
+        many = f"{total // 1_000_000} MB in {len(packed.infolist())} files"
+        limits = f"{MAX_BYTES // 1_000_000} MB in {MAX_FILES} files"
+        raise BadInputError(f"a session of {many} is too large, at most {limits}", where=file.name)
 
 
 def _rows_of(thread: str, path: Path) -> bytes:

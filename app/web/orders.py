@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
+from app.web.portage import MAX_FILE
 from kb.base import Finite, Noun
 from kb.errors import BadInputError
 from kb.grasp import MAX_APERTURE, MAX_FORCE, MIN_FORCE
@@ -94,11 +95,18 @@ class WhatIf(Noun):
 
 
 class Session(Noun):
-    """Open or delete a session."""
+    """Open, delete or pack a session."""
 
     type: Literal["session"]
-    action: Literal["open", "delete"]
+    action: Literal["open", "delete", "export"]
     thread: ThreadName
+
+
+class Upload(Noun):
+    """A packed session follows in binary messages."""
+
+    type: Literal["upload"]
+    size: Annotated[int, Field(ge=1, le=MAX_FILE)]
 
 
 class Fork(Noun):
@@ -124,7 +132,7 @@ class Point(Noun):
 
 
 Order = Annotated[
-    Say | Plain | Edit | Asks | Speed | Scene | Add | WhatIf | Session | Fork | Replay | Point,
+    Say | Plain | Edit | Asks | Speed | Scene | Add | WhatIf | Session | Upload | Fork | Replay | Point,
     Field(discriminator="type"),
 ]
 _ORDER: TypeAdapter[Any] = TypeAdapter(Order)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from app.web.gate import Reply
 from app.web.hall import Hall, Page
 from app.web.orders import parse_enter, parse_order
 from app.web.points import ends_of_turns
+from app.web.portage import Portage
 from kb.errors import BadInputError, RagVlmError
 
 KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
@@ -43,7 +44,18 @@ class Reception:
         """Args: the desk, its pages, and what they can choose from (scenes, models, sessions)."""
         self._desk, self._hall, self._offers = desk, hall, offers
         self._files: dict[str, bytes] = {}
-        self._offering: asyncio.Task[None] | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._portage = Portage(self._tell)
+
+    def _tell(self, page: Page, message: dict[str, Any]) -> None:
+        """To one page."""
+        self._hall.tell(message, to=lambda other: other is page)
+
+    def _aside(self, work: Coroutine[Any, Any, None]) -> None:
+        """Something that takes its time: reading from the disk must not hold up a stop."""
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
 
     # Plain requests -----------------------------------------------------------------------------------------------
 
@@ -59,6 +71,8 @@ class Reception:
         if found is not None:
             body = self._desk.pictures.get(found[1])
             return None if body is None else Reply(body, "image/jpeg")
+        if path.startswith("/export/"):
+            return self._portage.reply(path)
         found = SESSION_FILES.match(path)
         return None if found is None else self._picture(found[1])
 
@@ -96,9 +110,7 @@ class Reception:
                     if page.strikes > MAX_STRIKES:
                         await connection.close(1008, "too many messages")
                         break
-                    self._hall.tell(
-                        {"type": "notice", "text": "too many messages at once"}, to=lambda other: other is page
-                    )
+                    self._tell(page, {"type": "notice", "text": "too many messages at once"})
                     await asyncio.sleep(0.1)
                     continue
                 self._receive(page, raw)
@@ -106,6 +118,7 @@ class Reception:
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError, Exception):
                 await sender
+            self._portage.forget(page)
             self._hall.leave(page)
 
     async def _send(self, connection: Any, page: Page) -> None:
@@ -119,12 +132,21 @@ class Reception:
     def _receive(self, page: Page, raw: str | bytes) -> None:
         """Carries out one order. Nothing here waits: a stop must get through at once."""
         try:
+            if isinstance(raw, bytes):
+                self._take(page, raw)
+                return
             order = parse_order(raw)
             if order.type not in FREE and not self._hall.holds(page):
                 raise BadInputError("another page has the controls; this one may look, and stop the robot")
             self._obey(page, order)
         except RagVlmError as error:
-            self._hall.tell({"type": "notice", "text": str(error)}, to=lambda other: other is page)
+            self._tell(page, {"type": "notice", "text": str(error)})
+
+    def _take(self, page: Page, piece: bytes) -> None:
+        """A piece of a file."""
+        body = self._portage.take(page, piece)
+        if body is not None:
+            self._aside(self._portage.bring_in(page, body, lambda: self._aside(self._offer(page))))
 
     def _obey(self, page: Page, order: Any) -> None:
         desk, talk = self._desk, self._desk.talk
@@ -149,7 +171,11 @@ class Reception:
             case name if name in TURNS:
                 desk.turn(TURNS[name], getattr(talk, name))
             case "offers":
-                self._offering = asyncio.create_task(self._offer(page))
+                self._aside(self._offer(page))
+            case "session" if order.action == "export":
+                self._aside(self._portage.export(page, order.thread))
+            case "upload":
+                self._portage.begin(page, order.size)
             case "asks":
                 desk.set_asks(order.on)
             case "speed":
@@ -167,9 +193,9 @@ class Reception:
                 self._change(order)
 
     async def _offer(self, page: Page) -> None:
-        """Tells a page what there is to choose from now; reading it from the disk must not hold up a stop."""
+        """Tells a page what there is to choose from now."""
         value = await asyncio.to_thread(lambda: {**self._offers(), "points": ends_of_turns(self._desk.talk)})
-        self._hall.tell({"type": "offers", "value": value}, to=lambda other: other is page)
+        self._tell(page, {"type": "offers", "value": value})
 
     def _change(self, order: Any) -> None:
         """Orders that open another world or session."""

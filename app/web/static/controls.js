@@ -80,7 +80,7 @@ function showOffers(page, send) {
     };
     const act = (action) => () => { send({ type: "session", action, thread: s.thread }); if (action === "open") $("session-dialog").close(); };
     return h("div", { class: "session" }, h("div", {}, h("b", {}, s.thread), here ? " (open)" : "", h("div", { class: "soft" }, `${(s.scene || "?").split("/").at(-1)} · seed ${s.seed} · ${s.turns} ${s.turns === 1 ? "turn" : "turns"}${s.last ? ` · “${s.last.slice(0, 60)}”` : ""}`)),
-      h("button", { type: "button", class: "small", disabled: here, onclick: act("open") }, "Open"), h("button", { type: "button", class: "small no", disabled: here, onclick: remove }, "Delete"));
+      h("button", { type: "button", class: "small", disabled: here, onclick: act("open") }, "Open"), h("button", { type: "button", class: "small", title: "The whole session as one file", onclick: act("export") }, "Export"), h("button", { type: "button", class: "small no", disabled: here, onclick: remove }, "Delete"));
   });
   const points = (page.offers.points ?? []).map((p) => h("div", { class: "session" }, h("div", {}, `after turn ${p.turn}: “${p.said}”`),
     h("button", { type: "button", class: "small", onclick: () => { send({ type: "fork", point: p.id }); $("session-dialog").close(); } }, "Go back")));

@@ -3,6 +3,7 @@ import { addEntry, showApproval, showHints, showTranscript } from "./chat.js";
 import { wireControls } from "./controls.js";
 import { $ } from "./dom.js";
 import { showGrasps, showLamps, showMemory, showPictures, showScene, showWhy, wireTabs } from "./panels.js";
+import { wirePortage } from "./portage.js";
 import { showAttempts } from "./timeline.js";
 
 const page = { status: {}, board: {}, offers: { scenes: [], models: [], sessions: [], limits: {} }, replays: [], controls: { yours: false }, camera: "front" };
@@ -19,8 +20,10 @@ export function send(order) {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
 }
 
+const sendBytes = (bytes) => { if (socket?.readyState === WebSocket.OPEN) socket.send(bytes); };
 const chooseTab = wireTabs();
 const controls = wireControls(page, send);
+const portage = wirePortage(send, sendBytes, (text) => controls.notice(text));
 
 const PARTS = {
   look: () => showScene(page.board.look, page.board.graph),
@@ -79,6 +82,8 @@ const HANDLERS = {
   offers(message) { page.offers = message.value; controls.showOffers(); },
   controls(message) { page.controls = message; controls.show(); PARTS.pending(page.board.pending); },
   notice: (message) => controls.notice(message.text),
+  upload: (message) => portage.upload(message),
+  download: (message) => portage.download(message),
 };
 
 function connect() {
