@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sim.build_model import TIMESTEP
 from sim.curve import cubic_spline, quintic
-from sim.panda import GRIP_KP
+from sim.panda import GRIP_KP, Q_VELOCITY
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,9 @@ CLOSED = -0.04
 SQUEEZE = 0.010
 """How much farther than the force limit needs the opening is commanded while holding [m]: the force stays full while
 the object gives way by as much, and letting go starts without delay."""
+
+JOINT_SHARE = 0.98
+"""Share of a joint's published velocity limit that a straight motion of the hand may ask for."""
 
 
 def holding_command(opening: float, force: float) -> float:
@@ -53,7 +56,17 @@ def hold(joints: Array, opening: float, seconds: float) -> Array:
 
 
 def along(path: Array, seconds: float) -> Array:
-    """Joint samples per time step (T, 7) along evenly spaced path points (K, 7) with a quintic time law."""
+    """Joint samples per time step (T, 7) along evenly spaced path points (K, 7) with a quintic time law.
+
+    Takes longer than `seconds` where a joint would have to turn faster than it can: near a fold of the arm a slow hand
+    may need a fast joint.
+    """
+    samples = _along(path, seconds)
+    fastest = float((np.abs(np.diff(samples, axis=0)).max(axis=0) / (TIMESTEP * Q_VELOCITY)).max())
+    return samples if fastest <= JOINT_SHARE else _along(path, seconds * fastest / JOINT_SHARE)
+
+
+def _along(path: Array, seconds: float) -> Array:
     return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, quintic(steps(seconds)))
 
 

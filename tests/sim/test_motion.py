@@ -108,3 +108,14 @@ def test_controls_carry_the_derivative_of_the_path() -> None:
     assert integrated == pytest.approx(joints, abs=2e-3)
     assert controls[:, 21] == pytest.approx(np.full(len(joints), 0.05))
     assert quintic(500)[-1] == 1.0
+
+
+def test_a_straight_motion_asks_no_joint_for_more_than_it_can() -> None:
+    """A path that turns joint 3 by one radian in a tenth of a second takes as long as the published limit demands, and one
+    that is slow enough takes exactly the time that was asked for."""
+    path = np.zeros((13, 7))
+    path[:, 2] = np.linspace(0.0, 1.0, 13)
+    hurried, calm = along(path, 0.1), along(path, 2.0)
+    speeds = np.abs(np.diff(hurried[:, 2])) / 0.002
+    assert 0.9 * Q_VELOCITY[2] < speeds.max() <= Q_VELOCITY[2]
+    assert len(calm) == 1000
