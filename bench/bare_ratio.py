@@ -22,8 +22,8 @@ class MotionMeter:
         self._world = world
         self._measure = measure and hasattr(world, "run")
         self._recordings: list[Recording] = []
-        self._grasps = 0.0
-        self._bare = 0.0
+        self._grasps, self._grasps_wall = 0.0, 0.0
+        self._bare, self._bare_wall = 0.0, 0.0
         self.spent = 0.0
         """Wall time that measuring took [s]."""
 
@@ -31,6 +31,11 @@ class MotionMeter:
     def ratio(self) -> float | None:
         """Processor time of the grasps over that of their bare steps; None if nothing was measured."""
         return self._grasps / self._bare if self._bare > 0.0 else None
+
+    @property
+    def wall_ratio(self) -> float | None:
+        """The same of wall times, which whatever else the machine does takes part in."""
+        return self._grasps_wall / self._bare_wall if self._bare_wall > 0.0 else None
 
     def on_recording(self, recording: Recording) -> None:
         """Keeps the controls of a run."""
@@ -42,24 +47,25 @@ class MotionMeter:
             return self._robot.grasp(*args, **kwargs)
         before, self._recordings = self._world.snapshot(), []
         self._world.recorders.append(self)
-        start = time.thread_time()
+        start, began = time.thread_time(), time.perf_counter()
         try:
             sensing = self._robot.grasp(*args, **kwargs)
         finally:
-            took = time.thread_time() - start
+            took, wall = time.thread_time() - start, time.perf_counter() - began
             self._world.recorders.remove(self)
-        self._compare(before, took)
+        self._compare(before, took, wall)
         return sensing
 
-    def _compare(self, before: bytes, took: float) -> None:
+    def _compare(self, before: bytes, took: float, wall: float) -> None:
         """Makes the same steps bare, and puts the world back."""
         if not self._recordings:
             return
         start = time.perf_counter()
         after = self._world.snapshot()
         self._world.restore(before)
-        self._bare += bare_steps(self._world, self._recordings)
-        self._grasps += took
+        bare, bare_wall = bare_steps(self._world, self._recordings)
+        self._bare, self._bare_wall = self._bare + bare, self._bare_wall + bare_wall
+        self._grasps, self._grasps_wall = self._grasps + took, self._grasps_wall + wall
         self._world.restore(after)
         self.spent += time.perf_counter() - start
 

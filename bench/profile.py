@@ -43,6 +43,9 @@ def profile_lines(trials: Sequence[Trial]) -> list[str]:
             f"bare_step_ratio {median(ratios):.3f} (median of {len(ratios)} trials): processor time of execute_grasp over bare "
             "mj_step of the same steps"
         )
+    walls = [trial.bare_step_wall_ratio for trial in ran if trial.bare_step_wall_ratio is not None]
+    if walls:
+        lines.append(f"of wall times {median(walls):.3f}: other work on the machine takes part in it")
     return lines
 
 

@@ -22,6 +22,8 @@ class Row(RunResult):
     """What went wrong in the harness; such a trial is a failure, and counted apart from failed grasps."""
     bare_step_ratio: float | None = None
     """Processor time of the grasps over that of bare physics steps of the same number, where it was measured."""
+    bare_step_wall_ratio: float | None = None
+    """The same of wall times."""
     strict: bool | None = None
     """Success, and every grasp of it on the annotated region without violating a required constraint; None: not judged."""
     damage_limit_n: dict[str, float] = Field(default_factory=dict[str, float])
@@ -46,6 +48,7 @@ def row_of(
     *,
     wall_s: float,
     bare_step_ratio: float | None = None,
+    bare_step_wall_ratio: float | None = None,
     shared_looks: int = 0,
     shared_motions: int = 0,
     shared_steps: int = 0,
@@ -62,6 +65,7 @@ def row_of(
         noise=job.noise,
         wall_s=round(wall_s, 6),
         bare_step_ratio=None if bare_step_ratio is None else round(bare_step_ratio, 4),
+        bare_step_wall_ratio=None if bare_step_wall_ratio is None else round(bare_step_wall_ratio, 4),
         shared_looks=shared_looks,
         shared_motions=shared_motions,
         shared_steps=shared_steps,

@@ -135,6 +135,7 @@ class _Shared:
             result,
             wall_s=before + time.perf_counter() - began - meter.spent,
             bare_step_ratio=meter.ratio,
+            bare_step_wall_ratio=meter.wall_ratio,
             shared_looks=world.shared_looks - looks,
             shared_motions=world.shared_motions - motions,
             shared_steps=self._walk.shared,

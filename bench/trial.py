@@ -109,6 +109,8 @@ class Trial:
     bare_step_ratio: float | None
     strict: bool | None = None
     """Success with every grasp on the annotated region and no required constraint violated; None: not recorded."""
+    bare_step_wall_ratio: float | None = None
+    """`bare_step_ratio` of wall times."""
     executed: bool = True
     """The robot moved at all."""
     damage_limit_n: Mapping[str, float] = field(default_factory=dict)
@@ -168,6 +170,7 @@ def digest(row: Mapping[str, Any]) -> Trial:
         times_s={name: float(value) for name, value in times.items()},
         wall_s=float(row.get("wall_s") or times.get("total") or 0.0),
         bare_step_ratio=row.get("bare_step_ratio"),
+        bare_step_wall_ratio=row.get("bare_step_wall_ratio"),
         strict=None if row.get("strict") is None else bool(row["strict"]) and not error,
         executed=bool(row.get("executed", True)),
         damage_limit_n=dict(row.get("damage_limit_n") or {}),

@@ -114,10 +114,10 @@ class MotionRun:
         self.fields["phase"] = phase
         if self.stop.pressed:
             raise HaltedError("stop")
-        deadline, data, stop = self.started + self.limit, self.world.data, self.stop
+        deadline, data, pressed = self.started + self.limit, self.world.data, self.stop.is_pressed
 
         def guard(_: int) -> str | None:
-            if stop.pressed:
+            if pressed():
                 return "stop"
             if data.time > deadline:
                 return "timeout"
@@ -194,17 +194,21 @@ class MotionRun:
         sensed, wrist = self.world.data.sensordata, self.wrist
         told, felt = self.world.data.ctrl[0:GRIP_COLUMN:3], sensed[self.world.index.sensors["robot/joint_position"]]
         recent = [(0.0, 0.0, 0.0)] * WINDOW
-        count = 0
+        count, strong, force_now, safe = 0, 0, wrist.reader(sensed), (0.999 * limit) ** 2
 
         def check() -> str | None:
             # Called at every step, so in plain numbers; only what is near the limit is reckoned as the report does.
-            nonlocal count
-            recent[count % WINDOW] = wrist.force_now(sensed)
+            nonlocal count, strong
+            x, y, z = recent[count % WINDOW] = force_now()
             count += 1
-            x, y, z = map(sum, zip(*recent, strict=True))
-            square = (x * x + y * y + z * z) / min(count, WINDOW) ** 2
+            if x * x + y * y + z * z >= safe:
+                strong = count + WINDOW
             lag = max(map(abs, map(sub, told.tolist(), felt.tolist())))
-            if lag <= LAG_LIMIT and square < (0.999 * limit) ** 2:
+            # A mean is no larger than the largest of its parts.
+            if lag <= LAG_LIMIT and strong <= count:
+                return None
+            x, y, z = map(sum, zip(*recent, strict=True))
+            if lag <= LAG_LIMIT and (x * x + y * y + z * z) / min(count, WINDOW) ** 2 < safe:
                 return None
             mean = np.array(recent).sum(axis=0) / min(count, WINDOW)
             size = float(np.sqrt(mean @ mean))

@@ -11,6 +11,8 @@ class StopSwitch:
 
     def __init__(self) -> None:
         self._pressed = threading.Event()
+        self.is_pressed = self._pressed.is_set
+        """`pressed` as a function, for loops that ask at every step."""
         self._since = 0.0
 
     def press(self) -> None:

@@ -142,29 +142,12 @@ def compact(recording: Recording, layout: Layout, index: WorldIndex, placed: Pla
     ends = np.minimum(starts + ROW_STEPS, count) - 1
     sensed, qpos = recording.sensordata, recording.qpos
 
-    def force(name: str) -> Array:
-        """Size of a contact force per step: after the count of contacts come its three components."""
-        return np.linalg.norm(sensed[:, index.sensors[name]][:, 1:4], axis=1)
-
-    def normal(name: str) -> Array:
-        """Normal force per step of a strongest contact, whose frame has the normal first."""
-        return np.abs(sensed[:, index.sensors[name]][:, 1])
-
-    def columns(per_step: list[Array]) -> tuple[Floats, Floats]:
-        """Peak of the sliding mean, and mean, per row of each of the given series."""
-        if not per_step:
-            return np.zeros((len(starts), 0), np.float32), np.zeros((len(starts), 0), np.float32)
-        series = np.stack(per_step, axis=1)
-        peak = np.maximum.reduceat(sliding_mean(series), starts, axis=0)
-        total = np.add.reduceat(series, starts, axis=0)
-        return peak.astype(np.float32), (total / (ends - starts + 1)[:, None]).astype(np.float32)
-
-    left, _ = columns([force(f"truth/{name}/pad_left") for name in layout.objects])
-    right, _ = columns([force(f"truth/{name}/pad_right") for name in layout.objects])
-    robot, robot_mean = columns([normal(f"truth/{name}/robot") for name in layout.objects])
-    table, _ = columns([force(f"truth/{name}/table") for name in layout.objects])
-    pair, pair_mean = columns([force(f"truth/{a}/{b}") for a, b in layout.pairs])
-    robot_table, _ = columns([normal("truth/table/robot")])
+    series = _series(sensed, layout, index)
+    peak = np.maximum.reduceat(sliding_mean(series), starts, axis=0).astype(np.float32)
+    total = np.add.reduceat(series, starts, axis=0)
+    mean = (total / (ends - starts + 1)[:, None]).astype(np.float32)
+    n = len(layout.objects)
+    pads, robots, tables, pairs = slice(0, 2 * n), slice(2 * n, 3 * n), slice(3 * n, 4 * n), slice(4 * n, -1)
     addresses = [index.objects[name].qpos for name in layout.objects]
     pose = (
         np.stack([qpos[ends, a] for a in addresses if a is not None], axis=1)
@@ -180,16 +163,35 @@ def compact(recording: Recording, layout: Layout, index: WorldIndex, placed: Pla
         tool=tool.astype(np.float32),
         opening=sensed[ends, index.sensors["robot/opening"].start].astype(np.float32),
         pose=pose.astype(np.float32),
-        pads=np.stack([left, right], axis=2),
-        robot=robot,
-        robot_mean=robot_mean,
-        table=table,
-        pair=pair,
-        pair_mean=pair_mean,
-        robot_table=robot_table[:, 0],
+        pads=np.stack([peak[:, pads][:, :n], peak[:, pads][:, n:]], axis=2),
+        robot=peak[:, robots].copy(),
+        robot_mean=mean[:, robots].copy(),
+        table=peak[:, tables].copy(),
+        pair=peak[:, pairs].copy(),
+        pair_mean=mean[:, pairs].copy(),
+        robot_table=peak[:, -1].copy(),
         falling=_falling(recording, layout, index, starts),
         content=_content(qpos[ends], layout, index, placed),
     )
+
+
+def _series(sensed: Array, layout: Layout, index: WorldIndex) -> Array:
+    """Contact forces per step (T, 4 N + P + 1) [N]: left pad, right pad, robot and table on each object, pairs, robot on table.
+
+    After the count of contacts come a force's three components; of the strongest contact, whose frame has the normal
+    first, only the normal counts.
+    """
+    names = [f"truth/{name}/pad_left" for name in layout.objects]
+    names += [f"truth/{name}/pad_right" for name in layout.objects]
+    names += [f"truth/{name}/robot" for name in layout.objects]
+    names += [f"truth/{name}/table" for name in layout.objects]
+    names += [f"truth/{a}/{b}" for a, b in layout.pairs]
+    first = np.array([index.sensors[name].start for name in [*names, "truth/table/robot"]]) + 1
+    sizes = np.linalg.norm(sensed[:, first[:, None] + np.arange(3)], axis=2)
+    normals = slice(2 * len(layout.objects), 3 * len(layout.objects))
+    sizes[:, normals] = np.abs(sensed[:, first[normals]])
+    sizes[:, -1] = np.abs(sensed[:, first[-1]])
+    return sizes
 
 
 def sliding_mean(series: Array) -> Array:
@@ -207,9 +209,7 @@ def _falling(recording: Recording, layout: Layout, index: WorldIndex, starts: ND
     for column, name in enumerate(layout.objects):
         sensors = [f"truth/{name}/{part}" for part in ("robot", "table")]
         sensors += [f"truth/{a}/{b}" for a, b in layout.pairs if name in (a, b)]
-        touched = np.zeros(len(recording), bool)
-        for sensor in sensors:
-            touched |= recording.sensordata[:, index.sensors[sensor].start] > 0
+        touched = (recording.sensordata[:, [index.sensors[sensor].start for sensor in sensors]] > 0).any(axis=1)
         velocity = index.objects[name].qvel
         if velocity is not None:
             down = np.where(touched, 0.0, -recording.qvel[:, velocity.start + 2])

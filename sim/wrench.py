@@ -6,6 +6,7 @@ The hand's weight and inertia are known; the acceleration comes from the joint e
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,16 @@ class WristReader:
         """External force on the hand [N], shape (..., 3), for sensordata rows (..., ns)."""
         # Newton for the hand: external + wrist = mass * (acceleration - gravity); the accelerometer gives the bracket.
         return hand_mass() * rows[..., self._hand] - rows[..., self._force]
+
+    def reader(self, row: Array) -> Callable[[], tuple[float, float, float]]:
+        """`force_now` of a row (ns,) that changes, to be asked again and again."""
+        mass, hand, force = self._mass, row[self._hand].tolist, row[self._force].tolist
+
+        def now() -> tuple[float, float, float]:
+            (ax, ay, az), (fx, fy, fz) = hand(), force()
+            return mass * ax - fx, mass * ay - fy, mass * az - fz
+
+        return now
 
     def force_now(self, row: Array) -> tuple[float, float, float]:
         """`force` of one row (ns,) as plain numbers [N]."""

@@ -10,7 +10,15 @@ from bench.job import Job, Settings
 from bench.row import Row, error_row
 from bench.suite import tasks_of
 
-TIMES = ("timings_s", "wall_s", "bare_step_ratio", "shared_looks", "shared_motions", "shared_steps")
+TIMES = (
+    "timings_s",
+    "wall_s",
+    "bare_step_ratio",
+    "bare_step_wall_ratio",
+    "shared_looks",
+    "shared_motions",
+    "shared_steps",
+)
 """Keys that may differ between two runs of the same trial: wall times, and what was shared with whom."""
 ANALYTIC = Settings(evaluator="analytic", perception="oracle")
 
