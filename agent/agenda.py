@@ -5,14 +5,19 @@ Pure functions from state to update; they move nothing.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_EXTRA_ACTIONS
+from agent.lanes import in_the_way
 from agent.state import State, Update, merged
 from kb.percept import PerceivedObject, Percept
 from kb.scene_graph import SceneGraph
+
+NO_PLACE = "I found no free place within reach."
+"""Note of a goal that failed because what was taken could not be put anywhere."""
 
 _FRESH: Update = {
     "experiences": None, "plan": None, "plan_reason": "", "level": 0, "sensing": None, "camera": None,
@@ -79,7 +84,7 @@ def put_back(held: Held) -> Goal:
     return Goal(
         kind="place",
         reference=Reference(words=f"the {held.category.replace('_', ' ')}", ids=(held.object.id,)),
-        placement=Placement(kind="back"),
+        placement=Placement(kind="back", point=held.object.position[:2]),
         target=held.object.id,
         target_category=held.category,
         target_position=held.object.position,
@@ -103,10 +108,16 @@ def removal(state: State, object_id: str) -> Goal | None:
 
 
 def parts_of(goals: tuple[Goal, ...], index: int) -> tuple[Goal, ...]:
-    """The goals that are parts of a clear or sort, without what only freed the hand for it."""
-    return tuple(
-        g for g in goals if g.parent == index and g.placement is not None and g.placement.kind in ("bin", "lane")
-    )
+    """The goals that are parts of a clear or sort, without what only freed the hand for it.
+
+    Of a part that was taken up again the last one counts.
+    """
+    parts = {
+        g.target: g
+        for g in goals
+        if g.parent == index and g.placement is not None and g.placement.kind in ("bin", "lane")
+    }
+    return tuple(parts.values())
 
 
 def next_to_handle(state: State, percept: Percept, graph: SceneGraph | None) -> Goal | None:
@@ -120,20 +131,41 @@ def next_to_handle(state: State, percept: Percept, graph: SceneGraph | None) -> 
     left = [obj for obj in percept.objects if obj.id not in handled and on_table(obj, percept)]
     if goal.reference is not None and goal.reference.ids:
         left = [obj for obj in left if obj.id in goal.reference.ids]
+    if goal.kind == "sort":
+        return _next_to_sort(state, left or _once_more(state, percept), percept)
     if not left:
         return None
-    if goal.kind == "sort":
-        return _next_to_sort(goal, left)
     carries = {e.source for e in graph.edges if e.relation == "SUPPORTS"} if graph else set[str]()
     chosen = min(left, key=lambda obj: (obj.id in carries, round(obj.position[0], 2), obj.position[1]))
     return _child(chosen, Placement(kind="bin"))
 
 
-def _next_to_sort(goal: Goal, left: list[PerceivedObject]) -> Goal:
-    """The next object in the order that was fixed when the sort began (`goal.reference.ids`), y ascending."""
-    order = goal.reference.ids if goal.reference else ()
-    chosen = min(left, key=lambda obj: order.index(obj.id))
-    return _child(chosen, Placement(kind="lane", lane=(len(order) - 1 - order.index(chosen.id), len(order))))
+def _next_to_sort(state: State, left: list[PerceivedObject], percept: Percept) -> Goal | None:
+    """The next object in the order that was fixed when the sort began (`goal.reference.ids`), y ascending.
+
+    Those whose lanes are empty come first: with them their own places become free.
+    """
+    if not left:
+        return None
+    order = state.goal.reference.ids if state.goal.reference else ()
+
+    def lane(obj: PerceivedObject) -> tuple[int, int]:
+        return len(order) - 1 - order.index(obj.id), len(order)
+
+    def wanted(obj: PerceivedObject) -> tuple[int, int]:
+        others = [other for other in percept.objects if other.id != obj.id and on_table(other, percept)]
+        return in_the_way(lane(obj), others), order.index(obj.id)
+
+    chosen = min(left, key=wanted)
+    return _child(chosen, Placement(kind="lane", lane=lane(chosen)))
+
+
+def _once_more(state: State, percept: Percept) -> list[PerceivedObject]:
+    """Objects for whose placing there was no room when their turn came, each taken up once more at the end."""
+    index = state.agenda[-1]
+    times = Counter(g.target for g in state.goals if g.parent == index and g.placement and g.placement.kind == "lane")
+    again = {g.target for g in parts_of(state.goals, index) if g.note == NO_PLACE and times[g.target] == 1}
+    return [obj for obj in percept.objects if obj.id in again and on_table(obj, percept)]
 
 
 def _child(obj: PerceivedObject, placement: Placement) -> Goal:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from agent.agenda import parts_of
+from agent.agenda import NO_PLACE, parts_of
 from agent.approval import Decision
 from agent.attempt import Attempt, Held
 from agent.goal import Goal, Understanding
@@ -302,7 +302,7 @@ def placed(sensing: Sensing, goal: Goal, wanted: Vec2 | None = None) -> tuple[bo
     if sensing.lost:
         return False, "It slipped out of my hand on the way."
     if sensing.stopped_by == "path":
-        return False, "I found no free place within reach."
+        return False, NO_PLACE
     if sensing.stopped_by is not None:
         return False, f"Placing it was ended by {plain(sensing.stopped_by)}."
     kind = goal.placement.kind if goal.placement else "aside"

@@ -5,23 +5,11 @@ from __future__ import annotations
 from agent.agenda import on_table
 from agent.attempt import Attempt
 from agent.goal import Placement
+from agent.lanes import lane_of
 from agent.state import State
 from kb.base import Vec2
 from kb.percept import Percept
 from tools.place_object import PlaceArgs, Relation
-
-LANE_X: tuple[float, float] = (0.35, 0.68)
-"""Depth of the lanes on the table [m]."""
-LANE_WIDTH = 0.15
-"""Width of a lane [m] (benchmark section 3)."""
-
-
-def lane_of(lane: tuple[int, int]) -> tuple[Vec2, Vec2]:
-    """Corners (near right, far left) of lane `lane` = (number from the left, of how many), centred on the table [m]."""
-    number, count = lane
-    centre = ((count - 1) / 2 - number) * LANE_WIDTH
-    return ((LANE_X[0], centre - LANE_WIDTH / 2), (LANE_X[1], centre + LANE_WIDTH / 2))
-
 
 _MIRRORED: dict[str, str] = {
     "left": "right", "right": "left", "front": "back", "back": "front", "left_of": "right_of", "right_of": "left_of",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from agent.agenda import on_table
 from agent.goal import Goal
 from agent.ladder import BRITTLE
-from agent.placing import LANE_WIDTH, lane_of
+from agent.lanes import LANE_WIDTH, lane_of
 from kb.base import Vec2
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Sensing

@@ -24,6 +24,7 @@ from tools.planning.set_down import (
     BIN_RAISES,
     BIN_SLOTS,
     GAP,
+    WALL_ROOM,
     Care,
     Scene,
     SetDown,
@@ -235,13 +236,22 @@ def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
     first = args.slot % len(BIN_SLOTS)
     gentle = args.object.affordance.fragility >= DROP_FRAGILITY
     raises = [raised for raised in BIN_RAISES if not gentle or raised <= GENTLE_DROP] or [0.0]
-    for careful in (True, False):
-        for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first]):
-            for raised in raises:
-                centre = (middle[0] + dx, middle[1] + dy)
-                for option in set_downs(args.object, args.held, centre, low[2] + raised):
-                    if not careful or fits_bin(option, args.object, args.percept.bin):
-                        yield option
+    others = [other for other in args.percept.objects if other.id != args.object.id]
+    # Best not on top of what lies in the bin already: a round thing would roll.
+    rest: list[SetDown] = []
+    worst: list[SetDown] = []
+    for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first]):
+        for raised in raises:
+            centre = (middle[0] + dx, middle[1] + dy)
+            for option in set_downs(args.object, args.held, centre, low[2] + raised):
+                if not fits_bin(option, args.object, args.percept.bin):
+                    worst.append(option)
+                elif stands_clear(args.object, option, others, WALL_ROOM):
+                    yield option
+                else:
+                    rest.append(option)
+    yield from rest
+    yield from worst
 
 
 def _in_lane(args: PlaceArgs, corners: tuple[Vec2, Vec2]) -> Iterator[SetDown]:
