@@ -53,6 +53,8 @@ def _refusal(state: State, percept: Percept) -> Grounded | None:
     """The first goal whose thing (or place) is absent or ambiguous: then nothing moves at all."""
     scope = scope_of(state)
     for index, goal in enumerate(state.goals):
+        if goal.kind == "clear" and percept.bin is None:
+            return _say(state, "There is no bin here to clear anything into.")
         for reference in (goal.reference, goal.placement.reference if goal.placement else None):
             if reference is None or not goal.moves or _later(reference, index):
                 continue

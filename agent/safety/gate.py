@@ -50,12 +50,21 @@ def judged_understanding(got: Understanding, situation: Situation) -> Understand
     cannot = refuse(" ".join(words(situation.instruction)))
     if cannot is not None:
         raise RefusedError(f"the robot cannot do what was asked: {cannot}")
+    if own.goals and not any(_of_many(goal) for goal in own.goals) and any(_of_many(goal) for goal in got.goals):
+        raise RefusedError("the person spoke of single things, and nothing else is to be moved")
     said = frozenset(words(situation.instruction))
     if situation.pending is not None and situation.pending.reference is not None:
         said |= frozenset(words(situation.pending.reference.words))
     for goal in got.goals:
         _said_by_person(goal, said)
     return got
+
+
+def _of_many(goal: Goal) -> bool:
+    """Whether a goal moves more than one thing."""
+    return goal.kind in ("clear", "sort") or (
+        goal.moves and goal.reference is not None and goal.reference.plural and goal.reference.count != 1
+    )
 
 
 def _said_by_person(goal: Goal, said: frozenset[str]) -> None:

@@ -182,3 +182,11 @@ def test_leaving_the_stream_stops_the_robot() -> None:
         if getattr(step, "kind", "") == "action":
             break
     assert agent.opened.stop.pressed
+
+
+@pytest.mark.parametrize("said", ["clear the table", "throw all cubes away", "lift the cube, then clear the table"])
+def test_nothing_is_cleared_where_there_is_no_bin(said: str) -> None:
+    """The robot says so before anything moves, instead of finding out with the thing in its hand."""
+    result = told(cube(), said)[0]
+    assert (result.executed, result.success) == (False, False)
+    assert "no bin" in result.answer

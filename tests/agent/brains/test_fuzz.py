@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,9 @@ from kb.run_result import RunResult
 from kb.sensing import Sensing
 from sim.quality import maximum_force
 from tests.brain_fixtures import GOOD, ScriptedChat, think, understand
-from tools.execute_grasp import ExecuteArgs
+from tests.motion_witness import MotionWitness
+from tools.context import ToolContext
+from tools.execute_grasp import ExecuteArgs, execute_grasp
 from tools.planning.force_choice import CLOSING_PEAK, DAMAGE_SPREAD
 from tools.planning.grasp_limits import refuse_grasp
 
@@ -73,31 +74,41 @@ def mad_reply(prompt: Prompt, rng: np.random.Generator) -> str:
 
 
 def fuzz(replies: int, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs until so many mad replies were given; every motion that would be made is checked, none is physically made.
+    """Runs until so many mad replies were given; every motion is really made, and every control input is checked.
 
-    The hand closes on nothing each time, so that all four attempts and all reflections are reached.
+    On every second world the agent is told that the hand closed on nothing, whatever it holds, so that all four attempts
+    and all reflections are reached.
     """
     rng = np.random.default_rng(seed)
-    executed: list[ExecuteArgs] = []
+    executed: list[tuple[ExecuteArgs, float]] = []
+    misled = False
 
-    def watched(args: ExecuteArgs, context: Any) -> Sensing:
-        executed.append(args)
-        return Sensing(phase="close", aperture_start=0.08)
+    def watched(args: ExecuteArgs, context: ToolContext) -> Sensing:
+        felt = execute_grasp(args, context)
+        executed.append((args, witness.grips.pop(max(witness.grips, default=-1), 0.0)))
+        return Sensing(phase="close", aperture_start=0.08) if misled else felt
 
     monkeypatch.setattr(motions, "execute_grasp", watched)
-    given = 0
+    given, moved = 0, 0
     worlds: Iterator[tuple[str, str, str]] = iter(_worlds())
     while given < replies:
         scene, said, perception = next(worlds)
         chat = ScriptedChat(lambda prompt, _n: mad_reply(prompt, rng))
         robot = build_agent(scene, 10_001, brain=ModelBrain(chat), perception=perception)  # type: ignore[arg-type]
+        witness = MotionWitness(robot.opened.world)
         for instruction in (said, "why did it fail?"):
             result = robot.run(instruction)
             assert RunResult.model_validate_json(result.model_dump_json()).model_dump_json() == result.model_dump_json()
             assert result.model_use.calls <= 60
+            assert result.damage_events == 0
         given += len(chat.prompts)
-    for args in executed:
+        moved += witness.steps
+        misled = not misled
+    assert executed
+    assert moved > 1000 * len(executed)
+    for args, force in executed:
         _is_safe(args)
+        assert force <= args.plan.grasp.force + 1e-9
 
 
 def _worlds() -> Iterator[tuple[str, str, str]]:
@@ -123,7 +134,7 @@ def _is_safe(args: ExecuteArgs) -> None:
 
 
 def test_fifty_mad_replies_do_no_harm(monkeypatch: pytest.MonkeyPatch) -> None:
-    """50 fuzzed replies: no unsafe motion, no crash, every result valid."""
+    """50 fuzzed replies: no unsafe control input, nothing damaged, no crash, every result valid."""
     fuzz(50, 1, monkeypatch)
 
 

@@ -10,7 +10,14 @@ from hypothesis import strategies as st
 
 from agent.brain import Deliberation, Reflected, Situation, Spoken
 from agent.goal import Goal
-from agent.safety.gate import RefusedError, judged_answer, judged_reflection, judged_thought
+from agent.language.read_command import understand
+from agent.safety.gate import (
+    RefusedError,
+    judged_answer,
+    judged_reflection,
+    judged_thought,
+    judged_understanding,
+)
 from agent.safety.limits import BrainLimits
 from kb.grasp import MAX_APERTURE, MAX_FORCE, Grasp
 from kb.run_result import ModelUse
@@ -127,6 +134,27 @@ def test_limits_hold_for_any_grasp(
         assert speed <= plan.grasp.speed + 1e-6
         assert z >= 0.0
         assert down <= 0.35
+
+
+@pytest.mark.parametrize(
+    ("said", "meant", "passes"),
+    [
+        ("pick up the cup", "clear the table", False), ("pick up the cup", "sort by size", False),
+        ("put the cup in the bin", "put all the cups in the bin", False), ("pick up the cup", "pick up the cup", True),
+        ("clear the table", "clear the table", True), ("tidy up but keep the cup", "clear the table", True),
+        ("put both cups in the bin", "put both cups in the bin", True), ("make this place spotless", "clear the table", True),
+    ],
+)  # fmt: skip
+def test_who_speaks_of_one_thing_has_one_thing_moved(said: str, meant: str, passes: bool) -> None:
+    """Where the grammar reads single things, a model may not make many of them; where it reads nothing, the model's word
+    counts."""
+    got, situation = understand(meant), Situation(instruction=said)
+    assert got.goals
+    if passes:
+        assert judged_understanding(got, situation) is got
+    else:
+        with pytest.raises(RefusedError, match="single things"):
+            judged_understanding(got, situation)
 
 
 def test_only_offered_corrections_pass() -> None:
