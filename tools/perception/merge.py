@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kb.references import References
 from kb.vocabulary import UNKNOWN_CATEGORY
@@ -65,6 +66,9 @@ FOOT_ON_TABLE = 0.0065
 
 OVERLAP = 0.25
 """What stands on something overlaps it by this share of its width at least, seen from above."""
+
+LIMB = 0.025
+"""A splinter smaller than this and nearer than this to a strange thing [m] is a limb whose root is hidden: a foot, a knob."""
 
 SPLINTER = 0.06
 """Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
@@ -312,9 +316,20 @@ def _swallows(big: Candidate, small: Candidate) -> bool:
     xyz, holder = small.measured.blob.xyz, big.measured
     if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known or big.under in small.measured.blob.pieces:
         return False
+    tiny = float(np.ptp(xyz, axis=0).max()) < LIMB and small.under is None
+    if tiny and not big.known and _nearest(xyz, holder.blob.xyz) < LIMB:
+        return True
     if holder.is_round or holder.is_ball:
         offset = xyz[:, :2] - holder.centre
         inside = np.hypot(offset[:, 0], offset[:, 1]) < holder.radius + 0.004
     else:
         inside = np.all(np.abs(holder.box.local(xyz)[:, :2]) < holder.box.size[:2] / 2 + 0.004, axis=1)
     return bool(np.mean(inside & (xyz[:, 2] < holder.top + 0.003)) > 0.85)
+
+
+def _nearest(few: NDArray[np.float64], many: NDArray[np.float64]) -> float:
+    """Smallest distance between points (N, 3) and (M, 3) [m]."""
+    near = many[np.all((many > few.min(axis=0) - LIMB) & (many < few.max(axis=0) + LIMB), axis=1)]
+    if not len(near):
+        return float("inf")
+    return float(np.sqrt(min(((near - point) ** 2).sum(axis=1).min() for point in few)))

@@ -13,10 +13,12 @@ LAYER = 0.004
 """What rises less than this above its support is a part of its surface [m]: no object is that thin."""
 COMMON_AXIS = 0.004
 """Distance of the middles up to which two pieces have one axis [m]."""
-LID, LID_OFF = 0.2, 0.25
+LID, LID_OFF = 0.2, 0.35
 """What rises less than this share of the body below may lie off its axis by this share of its width: part of it is hidden."""
 CAP = 0.75
 """A round cap on a body that is not round is narrower than this share of the body's narrow side."""
+SQUARE, AXIS_OFF = 0.95, 0.15
+"""Sides of what may be round although its outline is rough, and how far off its middle a cap sits, over its radius."""
 ALIGNED = 10.0
 """Angle up to which two pieces are parallel or square to each other [deg]."""
 ALIKE, SLAB = 0.15, 2.5
@@ -32,9 +34,10 @@ def is_part_of(upper: Measured, lower: Measured, both: Measured) -> bool:
     height, below = upper.top - upper.base, lower.top - lower.base
     if height < LAYER:
         return True
-    if upper.is_round and both.is_round and both.radius > upper.radius - COMMON_AXIS and below > height:
+    square = bool(both.box.size[1] > SQUARE * both.box.size[0])
+    if upper.is_round and (both.is_round or square) and both.radius > upper.radius - COMMON_AXIS and below > height:
         # The cap hides the back of what is below it; together they are round about the cap's axis.
-        if float(np.hypot(*(upper.centre - both.centre))) < COMMON_AXIS:
+        if float(np.hypot(*(upper.centre - both.centre))) < max(COMMON_AXIS, AXIS_OFF * both.radius):
             return True
     apart = float(np.hypot(*(upper.centre - lower.centre)))
     if apart > COMMON_AXIS:

@@ -24,7 +24,7 @@ from tools.perception.look import Look, take_apart
 from tools.perception.measure import Measured
 from tools.perception.merge import Candidate, Merger
 from tools.perception.parts import find_parts
-from tools.perception.round_core import has_loop, round_core
+from tools.perception.round_core import has_loop, is_stub, round_core
 from tools.perception.slim_end import slim_end
 from tools.perception.state import state_of
 from tools.perception.track_ids import track_ids
@@ -86,7 +86,7 @@ class RgbdPerceiver:
         core = round_core(measured) if unknown else None
         if core is not None and has_loop(find_parts(core)):
             measured = core
-        parts = find_parts(measured)
+        parts = tuple(part for part in find_parts(measured) if not (unknown and is_stub(part)))
         if unknown and not measured.is_round and not measured.is_ball:
             slim = (
                 ()

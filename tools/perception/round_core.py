@@ -75,8 +75,13 @@ def round_core(m: Measured) -> Measured | None:
 
 
 def has_loop(parts: tuple[Part, ...]) -> bool:
-    """Whether the handle among the parts is a loop; a round body with a stub has none."""
-    return any(part.region == "handle" and part.length > LOOP * part.width for part in parts)
+    """Whether there is a loop handle among the parts; a round body with a stub has none."""
+    return any(part.outward is not None and not is_stub(part) for part in parts)
+
+
+def is_stub(part: Part) -> bool:
+    """Whether what sticks out is about as thick as tall: a foot or a bulb's base, no loop."""
+    return part.region == "handle" and part.outward is not None and part.length <= LOOP * part.width
 
 
 def _circle(xy: Array) -> tuple[Array, float, Array] | None:
