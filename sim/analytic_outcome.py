@@ -81,7 +81,7 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
     thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
     if thing is None:
         return Outcome(gripped=None, failure="POSITION_ERROR", **base)
-    clearance = {other.id: _clearance(world, other, grasp) for other in movable if other.id != thing.id}
+    clearance = _clearances(world, [other for other in movable if other.id != thing.id], grasp)
     supports = tuple(other.id for other in movable if other.id != thing.id and _stands_on(world, other, thing))
     near = min((value for name, value in clearance.items() if name not in supports), default=math.inf)
     table = _above_table(grasp) >= TABLE_ALLOWANCE
@@ -116,7 +116,7 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
 def cloud(world: World, thing: PlacedObject) -> Array:
     """Points on and in an object where it is now [m], (N, 3), at most about 2 cm apart on its pieces."""
     position, rotation = _pose(world, thing)
-    return np.vstack([piece.points for piece in _pieces(thing.geoms)]) @ rotation.T + position
+    return np.vstack(_pieces(thing.geoms).points) @ rotation.T + position
 
 
 def _pose(world: World, thing: PlacedObject) -> tuple[Array, Array]:
@@ -126,44 +126,55 @@ def _pose(world: World, thing: PlacedObject) -> tuple[Array, Array]:
     return pose[:3], rotation_of(pose[3:])
 
 
-def _clearance(world: World, thing: PlacedObject, grasp: Grasp) -> float:
-    """Smallest distance of the swept hand from an object's `cloud` [m].
+def _clearances(world: World, things: list[PlacedObject], grasp: Grasp) -> dict[str, float]:
+    """Smallest distance of the swept hand from each object's `cloud` [m].
 
     No point of a piece is nearer than the middle of its sphere by more than the sphere's radius, so that most pieces need
     not be measured.
     """
-    position, rotation = _pose(world, thing)
-    pieces = _pieces(thing.geoms)
-    middles = np.array([piece.middle for piece in pieces]) @ rotation.T + position
-    bounds = swept_distances(grasp, middles) - np.array([piece.radius for piece in pieces])
-    least = math.inf
-    for number in np.argsort(bounds).tolist():
-        if bounds[number] >= least + ROUNDING:
-            break
-        least = min(least, swept_least(grasp, pieces[number].points @ rotation.T + position))
-    return least
+    poses = [_pose(world, thing) for thing in things]
+    spheres = [_pieces(thing.geoms) for thing in things]
+    found: dict[str, float] = {}
+    if not things:
+        return found
+    middles = [
+        pieces.middles @ rotation.T + position for pieces, (position, rotation) in zip(spheres, poses, strict=True)
+    ]
+    away = np.split(
+        swept_distances(grasp, np.vstack(middles)), np.cumsum([len(pieces.points) for pieces in spheres])[:-1]
+    )
+    for thing, pieces, (position, rotation), far in zip(things, spheres, poses, away, strict=True):
+        bounds, least = far - pieces.radii, math.inf
+        for number in np.argsort(bounds).tolist():
+            if bounds[number] >= least + ROUNDING:
+                break
+            least = min(least, swept_least(grasp, pieces.points[number] @ rotation.T + position))
+        found[thing.id] = least
+    return found
 
 
 @dataclass(frozen=True)
-class _Piece:
-    """Points on and in a piece of an object, and a sphere around them, in the object's frame."""
+class _Pieces:
+    """Points on and in the pieces of an object, and a sphere around each, in the object's frame [m]."""
 
-    points: Array
-    middle: Array
-    radius: float
-    """[m]."""
+    points: tuple[Array, ...]
+    middles: Array
+    radii: Array
 
     @classmethod
-    def of(cls, points: Array) -> _Piece:
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        return cls(points, middle, float(np.linalg.norm(points - middle, axis=1).max()))
+    def of(cls, geoms: tuple[Geom, ...]) -> _Pieces:
+        """The pieces that an object is made of."""
+        points = tuple(_filled(geom_points(geom)) for geom in geoms)
+        middles = np.array([(cloud.min(axis=0) + cloud.max(axis=0)) / 2 for cloud in points])
+        radii = [np.linalg.norm(cloud - middle, axis=1).max() for cloud, middle in zip(points, middles, strict=True)]
+        return cls(points, middles, np.array(radii))
 
 
-def _pieces(geoms: tuple[Geom, ...]) -> tuple[_Piece, ...]:
+def _pieces(geoms: tuple[Geom, ...]) -> _Pieces:
     """The pieces of an object; the same ones are asked for at every grasp of a trial."""
     known = _known.get(id(geoms))
     if known is None or known[0] is not geoms:
-        known = geoms, tuple(_Piece.of(_filled(geom_points(geom))) for geom in geoms)
+        known = geoms, _Pieces.of(geoms)
         while len(_known) >= KEPT:
             _known.pop(next(iter(_known)), None)
         _known[id(geoms)] = known
@@ -172,7 +183,7 @@ def _pieces(geoms: tuple[Geom, ...]) -> tuple[_Piece, ...]:
 
 KEPT = 32
 """Objects whose points are kept: more than a scene has."""
-_known: dict[int, tuple[tuple[Geom, ...], tuple[_Piece, ...]]] = {}
+_known: dict[int, tuple[tuple[Geom, ...], _Pieces]] = {}
 """Identity of an object's pieces -> the pieces themselves, which keep their identity their own, and their points."""
 
 

@@ -81,8 +81,21 @@ def _turn(a: list[float], b: list[float], c: list[float]) -> float:
 
 
 def outline(thing: PlacedObject) -> Array:
-    """Convex outline of the object seen from above, world frame (N, 2) [m]."""
-    return hull(world_points(thing)[:, :2])
+    """Convex outline of the object seen from above, world frame (N, 2) [m]; not to be written to."""
+    known = _outlines.get(id(thing))
+    if known is None or known[0] is not thing:
+        known = thing, hull(world_points(thing)[:, :2])
+        known[1].setflags(write=False)
+        while len(_outlines) >= KEPT:
+            _outlines.pop(next(iter(_outlines)), None)
+        _outlines[id(thing)] = known
+    return known[1]
+
+
+KEPT = 64
+"""Objects whose outlines are kept: each is asked for whenever another one is to be placed."""
+_outlines: dict[int, tuple[PlacedObject, Array]] = {}
+"""Identity of an object -> the object itself, which keeps its identity its own, and its outline."""
 
 
 def gap(one: Array, two: Array) -> float:

@@ -230,6 +230,27 @@ def swept_clearances(grasps: Sequence[Grasp], points_w: Array, *, lift: float = 
     return out
 
 
+class Passing:
+    """The same points seen from one pose of the hand, for the clearances of several openings and lifts."""
+
+    def __init__(self, grasp: Grasp, points_w: Array) -> None:
+        """Points (N, 3) [m], N > 0, as they lie about the grasp's tool point."""
+        self._grasp = grasp
+        offset = points_w - np.asarray(grasp.position)
+        self._farthest = math.sqrt(float(np.einsum("ij,ij->i", offset, offset).max()))
+        self._sweep = _Sweep.of(grasp, offset, 0.0)
+
+    def clearance(self, aperture: float, lift: float) -> float:
+        """`swept_clearance` of the grasp with this opening and lift [m]."""
+        grasp, seen = self._grasp, self._sweep
+        straight = seen.up[2] < -VERTICAL
+        standoff = max(grasp.standoff, lift) if straight else grasp.standoff
+        sweep = _Sweep(seen.x, seen.y, seen.z, aperture, standoff, 0.0 if straight else max(0.0, lift), seen.up)
+        least = _least(sweep)
+        all_near = self._farthest < HAND_RADIUS + max(grasp.standoff, lift) + CULL_MARGIN
+        return least if all_near else min(least, CULL_MARGIN)
+
+
 def swept_least(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
     """The smallest of `swept_distances` [m], however large; inf without points."""
     points = np.asarray(points_w, float).reshape(-1, 3)

@@ -12,7 +12,7 @@ from kb.experience import Strategy
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.sensing import Correction
-from sim.hand import FULL_LIFT, HAND_RADIUS, swept_clearance, swept_count
+from sim.hand import FULL_LIFT, HAND_RADIUS, Passing, swept_count
 from sim.quality import Load
 from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
@@ -161,16 +161,16 @@ class Search:
         near = self.neighbours_w[np.einsum("ij,ij->i", offset, offset) < far * far]
         if not len(near):
             return FREE, grasp.aperture
-        slim = grasp.model_copy(update={"aperture": min(grasp.aperture, narrowest)})
+        slim, passing = min(grasp.aperture, narrowest), Passing(grasp, near)
         # Lifting and opening wider only take clearance away, so the cheapest case rules out most.
-        least = swept_clearance(slim, near, lift=0.0)
+        least = passing.clearance(slim, 0.0)
         if least < required:
-            return least, slim.aperture
-        wide = swept_clearance(grasp, near)
+            return least, slim
+        wide = passing.clearance(grasp.aperture, FULL_LIFT)
         if wide >= ROOMY:
             return wide, grasp.aperture
-        narrow = swept_clearance(slim, near)
-        return (narrow, slim.aperture) if narrow > wide + 0.002 else (wide, grasp.aperture)
+        narrow = passing.clearance(slim, FULL_LIFT)
+        return (narrow, slim) if narrow > wide + 0.002 else (wide, grasp.aperture)
 
     def _fits_itself(self, grasp: Grasp, width: float) -> bool:
         """Whether the open hand keeps off the target's own surface on its way."""

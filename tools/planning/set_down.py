@@ -14,7 +14,7 @@ from kb.grasp import Grasp
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan
 from sim.carry_path import GENTLE, STAGES, way_down
-from sim.hand import TCP_OFFSET, swept_clearance
+from sim.hand import TCP_OFFSET, swept_count
 from sim.kinematics import forward
 from sim.motion import CARRIED_RADIUS, Obstacle
 from sim.place_motion import RETREAT, way_back
@@ -215,7 +215,7 @@ def feasible(option: SetDown, scene: Scene, care: Care) -> bool:
         type=grasp.type,
         standoff=RETREAT if careful else 0.02,
     )
-    if len(scene.points_w) and swept_clearance(pose, scene.points_w, lift=0.12) < HAND_GAP:
+    if len(scene.points_w) and swept_count(pose, scene.points_w, HAND_GAP, lift=0.12):
         return False
     if not scene.has_arm:
         return True
