@@ -87,6 +87,28 @@ def test_a_choice_within_the_limits_is_executed_with_its_provenance() -> None:
     assert [field for field, steps in attempt.provenance.items() if any(s.id == "brain" for s in steps)] == ["speed"]
 
 
+def test_another_candidate_is_executed_as_it_was_planned() -> None:
+    """The second of the candidates that the prompt shows is executed, with place, direction and type as listed there, and
+    one that was not shown is refused."""
+    chat = always("think", think(candidate=1))
+    robot = agent(chat)
+    result, steps = told(robot)
+    planned = next(step.plan for step in steps if getattr(step, "kind", "") == "planned")  # type: ignore[attr-defined]
+    wanted, _, name = planned.alternatives[0]
+    shown = json.loads(chat.prompts[1].messages[1].text.split("Candidate grasps: <data>")[1].split("</data>")[0])
+    attempt = result.goals[0].attempts[0]
+    assert attempt.grasp is not None
+    assert attempt.grasp.position == pytest.approx(wanted.position, abs=1e-6)
+    assert attempt.grasp.approach == pytest.approx(wanted.approach, abs=1e-6)
+    assert attempt.grasp.yaw == pytest.approx(wanted.yaw, abs=1e-6)
+    assert attempt.grasp.yaw != pytest.approx(planned.grasp.yaw, abs=1e-2)
+    assert attempt.grasp.type == wanted.type
+    assert [row["number"] for row in shown] == list(range(1 + len(planned.alternatives)))
+    assert shown[1]["region"] == name.split("/")[0]
+    result, steps = told(agent(always("think", think(candidate=9)), dry_run=True))
+    assert [s.reason for s in steps if getattr(s, "kind", "") == "refused"] == ["there is no candidate 9"] * 4  # type: ignore[attr-defined]
+
+
 def test_looking_again_asking_and_giving_up() -> None:
     """One more look is granted, a second one refused; a question ends the run unmoved, and so does giving up."""
     looks = ScriptedChat(
