@@ -301,14 +301,16 @@ def placed(sensing: Sensing, goal: Goal, wanted: Vec2 | None = None) -> tuple[bo
         return False, "I was stopped while placing it."
     if sensing.lost:
         return False, "It slipped out of my hand on the way."
-    if sensing.stopped_by == "path":
+    let_go = sensing.phase in ("release", "retreat", "home")
+    # What stopped the arm after it had let go says nothing against the place: a look will tell.
+    if sensing.stopped_by == "path" and not let_go:
         return False, NO_PLACE
-    if sensing.stopped_by is not None:
+    if sensing.stopped_by is not None and not let_go:
         return False, f"Placing it was ended by {plain(sensing.stopped_by)}."
     kind = goal.placement.kind if goal.placement else "aside"
     if kind == "hand_over":
         return True, "I hold it out to you."
-    if sensing.phase not in ("release", "retreat", "home"):
+    if not let_go:
         return False, "I could not put it down."
     if kind == "back" and wanted is not None and sensing.aimed_at is not None:
         off = math.dist(wanted, sensing.aimed_at)

@@ -11,7 +11,7 @@ from kb.base import Vec3
 from kb.grasp import closing_axis
 from kb.sensing import Phase
 from sim.build_model import TIMESTEP
-from sim.carry_path import CARRY_HEIGHTS, OVERSHOOT, carry_way, way_down
+from sim.carry_path import CARRY_HEIGHTS, OVERSHOOT, WayDown, carry_way, way_down
 from sim.controller import along, along_evenly, follow, hold, part
 from sim.hand import approach_time
 from sim.kinematics import forward
@@ -41,6 +41,10 @@ LOOSE = 5e-4
 """How far the fingers have moved apart when they no longer press [m]."""
 SLOWEST_CARRY = 0.3
 """Least velocity scale of the way to above the set-down."""
+STRAIGHT_DOWN = 0.9
+"""Cosine of the hand's tilt from which the way up is a way back from what was set down."""
+ON_WAY = 0.15
+"""A posture whose joints are all this near to those of a way is on it [rad]."""
 TRAVEL_FORCE = 30.0
 """Wrist force, less nothing for the load, that stops a free motion [N]: a load of 0.6 kg shaken at 2 g stays below."""
 
@@ -111,8 +115,8 @@ def place_pose(motion: MotionRun, position: Vec3, approach: Vec3 | None, yaw: fl
 
 def carry_above(
     motion: MotionRun, pose: Array, obstacles: Sequence[Obstacle], speed: float, load: Array | None = None
-) -> bool:
-    """Carries what is held above the set-down pose and lowers it until contact is felt; False if it slipped away.
+) -> WayDown | None:
+    """Carries what is held above the set-down pose and lowers it until contact is felt.
 
     Args:
         motion: The motion.
@@ -120,6 +124,9 @@ def carry_above(
         obstacles: What to keep away from.
         speed: Velocity scale.
         load: Points of what is held in the hand frame (P, 3) [m]; a line to the ground it was taken from, if left out.
+
+    Returns:
+        The way that was taken, or None if what was held slipped out of the hand on it.
 
     Raises:
         HaltedError: "unreachable" or "path".
@@ -139,9 +146,9 @@ def carry_above(
         motion.carry(recording)
         if not motion.holding:
             motion.note(lost=True)
-            return False
+            return None
     lower(motion, way.path, way.length, speed)
-    return True
+    return way
 
 
 def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
@@ -195,8 +202,13 @@ def lower_here(motion: MotionRun) -> None:
         lower(motion, path, drop, 0.6)
 
 
-def let_go(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
-    """Opens a little wider than what is held, and retreats along the approach without dragging."""
+def let_go(motion: MotionRun, way: WayDown | None = None) -> None:
+    """Opens a little wider than what is held, and retreats along the approach without dragging.
+
+    Args:
+        motion: The motion.
+        way: The way on which the hand came, if it is known.
+    """
     here, before = motion.commanded, motion.aperture
     opening = min(2 * FINGER_TRAVEL, max(before + RELEASE_ROOM, 0.02))
     data, column = motion.world.data.sensordata, motion.world.index.sensors["robot/opening"].start
@@ -205,23 +217,44 @@ def let_go(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
     motion.run(hold(here, opening, longest), "release", lambda: "loose" if data[column] > before + LOOSE else None)
     motion.world.set_grip_force(OPENING_FORCE)
     motion.run(hold(here, opening, longest), "release", lambda: "open" if data[column] > opening - 1e-3 else None)
-    retreat(motion)
+    retreat(motion, way)
     motion.note(aperture_end=motion.aperture)
 
 
-def retreat(motion: MotionRun) -> None:
-    """Back along the approach as far as the arm can, then up if the hand is still low."""
-    for way, distance in ((None, RETREAT), (np.array([0.0, 0.0, 1.0]), RISE)):
-        pose = forward(motion.commanded)
-        if way is not None and pose[2, 3] > 0.30:
-            return
-        direction = -pose[:3, 2] if way is None else way
-        for share in (1.0, 0.6, 0.3):
-            path = way_back(pose, direction, share * distance, motion.commanded)
-            if path is not None:
-                seconds = approach_time(share * distance, 1.0)
-                motion.run(follow(along(path, seconds), motion.grip, motion.commanded), "retreat")
-                break
+def retreat(motion: MotionRun, way: WayDown | None = None) -> None:
+    """Back along the approach as far as the arm can, then up if the hand is still low.
+
+    A hand that points down and gets no farther goes up as it came, on `way`: that is always possible.
+    """
+    if not _back(motion, -forward(motion.commanded)[:3, 2], RETREAT, (1.0, 0.6)):
+        if way is not None and forward(motion.commanded)[2, 2] < -STRAIGHT_DOWN:
+            go_up(motion, way)
+        else:
+            _back(motion, -forward(motion.commanded)[:3, 2], RETREAT, (0.3,))
+    if forward(motion.commanded)[2, 3] <= 0.30:
+        _back(motion, np.array([0.0, 0.0, 1.0]), RISE, (1.0, 0.6, 0.3))
+
+
+def _back(motion: MotionRun, direction: Array, distance: float, shares: Sequence[float]) -> bool:
+    """Moves straight by the largest of the shares of a distance [m] that the arm can; False if it can none."""
+    pose = forward(motion.commanded)
+    for share in shares:
+        path = way_back(pose, direction, share * distance, motion.commanded)
+        if path is not None:
+            seconds = approach_time(share * distance, 1.0)
+            motion.run(follow(along(path, seconds), motion.grip, motion.commanded), "retreat")
+            return True
+    return False
+
+
+def go_up(motion: MotionRun, way: WayDown) -> None:
+    """Up again on the way down, from the point of it where the hand is."""
+    here = motion.commanded
+    nearest = int(np.abs(way.path - here).max(axis=1).argmin())
+    path = np.concatenate([here[None], way.path[:nearest][::-1]])
+    if len(path) > 2:
+        seconds = approach_time(way.length * (len(path) - 1) / (len(way.path) - 1), 1.0)
+        motion.run(follow(along(path, seconds), motion.grip, here), "retreat")
 
 
 def way_back(pose: Array, direction: Array, distance: float, joints: Array) -> Array | None:
@@ -229,12 +262,34 @@ def way_back(pose: Array, direction: Array, distance: float, joints: Array) -> A
     return line_any(pose, distance * np.linspace(0.0, 1.0, 7)[:, None] * direction, joints)
 
 
-def home(motion: MotionRun, obstacles: Sequence[Obstacle]) -> None:
-    """Drives to the ready pose; an empty hand that is low first retreats."""
+def home(motion: MotionRun, obstacles: Sequence[Obstacle], way: WayDown | None = None) -> None:
+    """Drives to the ready pose; an empty hand that is low first retreats, and if need be goes back as it came, on `way`."""
     try:
         travel(motion, READY, obstacles, "home")
     except HaltedError as halted:
         if halted.cause != "path":
             raise
-        retreat(motion)
-        travel(motion, READY, obstacles, "home")
+        retreat(motion, way)
+        try:
+            travel(motion, READY, obstacles, "home")
+        except HaltedError as again:
+            if again.cause != "path" or way is None or motion.holding:
+                raise
+            go_back(motion, way)
+            travel(motion, READY, obstacles, "home")
+
+
+def go_back(motion: MotionRun, way: WayDown) -> None:
+    """Back to above the set-down and from there to where the way to it began.
+
+    Raises:
+        HaltedError: "path" if the hand has strayed too far from that way.
+    """
+    here = motion.commanded
+    if float(np.abs(way.path - here).max(axis=1).min()) > ON_WAY:
+        raise HaltedError("path")
+    go_up(motion, way)
+    samples = way.transit.samples(TIMESTEP)[::-1]
+    to_begin = np.stack([motion.commanded, samples[0]])
+    motion.run(follow(along(to_begin, 0.5), motion.grip, motion.commanded), "home")
+    motion.run_guarded(samples, motion.grip, "home", TRAVEL_FORCE)

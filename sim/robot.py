@@ -152,10 +152,11 @@ class Robot:
         motion = MotionRun(self.world, self.stop)
         try:
             target = place_pose(motion, position, approach, yaw)
-            if carry_above(motion, target, obstacles, speed, np.asarray(load, float).reshape(-1, 3)):
-                let_go(motion, obstacles)
+            way = carry_above(motion, target, obstacles, speed, np.asarray(load, float).reshape(-1, 3))
+            if way is not None:
+                let_go(motion, way)
             if then_home:
-                home(motion, obstacles if left_behind is None else (*obstacles, left_behind))
+                home(motion, obstacles if left_behind is None else (*obstacles, left_behind), way)
         except HaltedError as halted:
             motion.note(stopped_by=halted.cause)
         return motion.sensing()
@@ -166,7 +167,7 @@ class Robot:
         try:
             if self.holding:
                 lower_here(motion)
-            let_go(motion, obstacles)
+            let_go(motion)
             home(motion, obstacles)
         except HaltedError as halted:
             motion.note(stopped_by=halted.cause)

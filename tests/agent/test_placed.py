@@ -15,3 +15,13 @@ def test_back_is_only_claimed_where_it_was() -> None:
     assert near == (True, "I put it back where it was.")
     assert not far[0]
     assert "13 cm from where it was" in far[1]
+
+
+def test_what_stops_the_arm_after_it_let_go_is_left_to_the_look() -> None:
+    """No way home is no failure of the placing, no way to the place is; a person's stop always is."""
+    goal = Goal(kind="place", reference=Reference(pronoun=True), placement=Placement(kind="aside"))
+    assert placed(Sensing(phase="home", stopped_by="path", aimed_at=(0.5, 0.2)), goal)[0]
+    assert placed(Sensing(phase="home", stopped_by="force", aimed_at=(0.5, 0.2)), goal)[0]
+    assert not placed(Sensing(phase="carry", stopped_by="path"), goal)[0]
+    assert not placed(Sensing(phase="home", stopped_by="stop", aimed_at=(0.5, 0.2)), goal)[0]
+    assert not placed(Sensing(phase="home", lost=True, aimed_at=(0.5, 0.2)), goal)[0]
