@@ -211,7 +211,7 @@ class Merger:
                 and is_part_of(one.measured, two.measured, both.measured)
             ):
                 return gain
-        if not (stacked or first.known or second.known) and continues(first.measured, second.measured):
+        if not (stacked or first.known or second.known) and continues(first.measured, second.measured, both.measured):
             return gain
         crumb = min(share, 1 - share) < CRUMB and not stacked
         if not (both.known or first.hangs or second.hangs or crumb):

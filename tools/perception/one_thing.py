@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tools.perception.affordance_of_unknown import is_rounded
 from tools.perception.measure import Measured
 
 LAYER = 0.004
@@ -19,6 +20,9 @@ CAP = 0.75
 """A round cap on a body that is not round is narrower than this share of the body's narrow side."""
 SQUARE, AXIS_OFF = 0.95, 0.15
 """Sides of what may be round although its outline is rough, and how far off its middle a cap sits, over its radius."""
+STUB, SKEW = 0.7, 0.3
+"""What sticks out of a rounded body is narrower than this share of it, and is so far off the axis of both at most, over the
+distance of their middles: the box around both may stand askew."""
 ALIGNED = 10.0
 """Angle up to which two pieces are parallel or square to each other [deg]."""
 ALIKE, SLAB = 0.15, 2.5
@@ -47,12 +51,12 @@ def is_part_of(upper: Measured, lower: Measured, both: Measured) -> bool:
     if upper.is_round:
         return 2.0 * upper.radius < CAP * float(lower.box.size[1]) and below > 1.5 * height
     share = float(np.prod(upper.box.size[:2]) / np.prod(lower.box.size[:2]))
-    return height < SLICE and _within(upper, lower) and share > COVERS and below > 2.0 * height
+    return height < max(SLICE, LID * below) and _within(upper, lower) and share > COVERS and below > 2.0 * height
 
 
-def continues(one: Measured, two: Measured) -> bool:
+def continues(one: Measured, two: Measured, both: Measured) -> bool:
     """Whether two pieces that touch side by side are one thing: the axis of one runs through the middle of the other."""
-    if _slabs(one, two):
+    if _slabs(one, two) or _stub(one, two, both):
         return True
     for first, second in ((one, two), (two, one)):
         x, _ = np.abs(first.box.local(second.box.centre[None])[0, :2])
@@ -75,6 +79,15 @@ def _slabs(one: Measured, two: Measured) -> bool:
     thin = max(float(one.box.size[1]), float(two.box.size[1]))
     tall = min(one.top - one.base, two.top - two.base) > SLAB * thin
     return long and high and tall and float(np.hypot(*(one.box.centre - two.box.centre)[:2])) < thin
+
+
+def _stub(one: Measured, two: Measured, both: Measured) -> bool:
+    """A narrow piece at the end of a rounded one, on the long axis of both: a bulb's base. A rounded body has no axis."""
+    body, piece = (one, two) if one.box.size[0] > two.box.size[0] else (two, one)
+    if piece.is_round or not is_rounded(body) or piece.box.size[0] > STUB * body.box.size[1]:
+        return False
+    (x, off_piece), (y, off_body) = (both.box.local(part.box.centre[None])[0, :2] for part in (piece, body))
+    return bool(x * y < 0.0 and max(abs(off_piece), abs(off_body)) < SKEW * abs(x - y))
 
 
 def _within(upper: Measured, lower: Measured) -> bool:

@@ -36,6 +36,9 @@ GHOST_POINTS, GHOST_HEIGHT = 120, 0.012
 FAINT_POINTS, FAINT_HEIGHT = 300, 0.0062
 """The same for so few points at so low a median height [m]: the table's own noise at its edge."""
 
+IN_VIEW = 0.8
+"""What the front camera doesn't see although nothing hides more than the rest of it is no flat thing."""
+
 FLOATING = 0.06
 """What has nothing under it within this distance is not on the table [m]: the hand, or what it holds."""
 
@@ -76,7 +79,7 @@ class RgbdPerceiver:
             BadInputError: if the front or the top view is missing.
         """
         look = take_apart(views)
-        found = [item for item in Merger(look, self._references, args.nouns).objects() if _is_real(item)]
+        found = [item for item in Merger(look, self._references, args.nouns).objects() if _is_real(item, look)]
         objects = [self._describe(item, look) for item in found]
         return Percept(look=args.look, perception="rgbd", objects=track_ids(objects, args.previous))
 
@@ -155,7 +158,7 @@ def _state(item: Candidate, measured: Measured, parts: tuple[Part, ...]) -> Obje
     )
 
 
-def _is_real(item: Candidate) -> bool:
+def _is_real(item: Candidate, look: Look) -> bool:
     """Neither a ghost of edge noise nor something in the air."""
     m = item.measured
     share = float(m.blob.from_top.mean())
@@ -164,6 +167,10 @@ def _is_real(item: Candidate) -> bool:
         return False
     if one_view and len(m.blob.xyz) < FAINT_POINTS and float(np.median(m.blob.xyz[:, 2])) < FAINT_HEIGHT:
         return False
+    if share > 0.96 and m.top - m.base < GHOST_HEIGHT:
+        front = next(view for view in look.views if view.name == "front")
+        if visible_fraction(m, front) > IN_VIEW:
+            return False  # nothing hides it from the front camera, which sees bare table there
     lowest = float(np.quantile(m.blob.xyz[:, 2], 0.02))
     return lowest - m.base < FLOATING + 0.5 * m.radius
 
