@@ -1,6 +1,6 @@
 """Say from the robot's own sensing whether a grasp succeeded, and if not, which of the 14 failures it was.
 
-Only observables are used: finger opening, motor force, wrist wrench, joint tracking, reach, and what a further look
+Only observables are used: finger opening, motor force, wrist wrench, joint tracking, reach, and what further looks
 showed (ledger G41). The list is walked in the order of time: the first anomalous event decides (physics.md, ledger G17).
 """
 
@@ -58,6 +58,8 @@ def classify_failure(args: ClassifyArgs, context: ToolContext) -> Diagnosis:
             f"carried {sensed.load_end:.3f} kg through hold and shake, fingers at {1000 * sensed.aperture_end:.1f} mm, "
             f"raised {100 * sensed.lift_height:.0f} cm"
         )
+        if args.evidence.places is not None and args.evidence.places.target == "empty":
+            reason += ", and its place is empty"
         return Diagnosis(claimed=True, failure=None, confidence=0.98, reasons=(reason,))
     found = first_anomaly(args.plan, args.evidence, args.constraints, args.target, args.percept)
     return Diagnosis(

@@ -15,8 +15,9 @@ from kb.experience import Experience, Funnel, Retrieval, RetrievedExperience, St
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Evidence, Plan, Sensing
 from kb.vocabulary import Region
-from tools.classify_failure import ClassifyArgs, classify_failure
+from tools.classify_failure import ClassifyArgs, Diagnosis, classify_failure
 from tools.context import ToolContext
+from tools.diagnosis.held_look import look_at_places, worth_a_look
 from tools.execute_grasp import ExecuteArgs, execute_grasp
 from tools.perceive import PerceiveArgs, perceive
 from tools.place_object import PlaceArgs, place_object
@@ -76,18 +77,23 @@ def confirm_grasp(args: ConfirmArgs, context: ToolContext) -> Confirmation:
     if again.plan is None:
         return Confirmation(confirmed=False, says=f"no second plan: {again.reason}", set_down=down)
     lift = execute_grasp(ExecuteArgs(plan=again.plan, percept=percept, target=target.id), context)
-    word = classify_failure(
-        ClassifyArgs(
-            plan=again.plan,
-            evidence=Evidence(sensing=lift),
-            constraints=args.constraints,
-            target=target,
-            percept=percept,
-        ),
-        context,
-    )
+    word = _diagnosed(args, again.plan, lift, percept, target, context)
     says = "lifted again" if word.claimed else f"the second lift failed: {word.failure}"
     return Confirmation(confirmed=word.claimed, says=says, set_down=down, lift=lift)
+
+
+def _diagnosed(
+    args: ConfirmArgs, plan: Plan, lift: Sensing, percept: Percept, target: PerceivedObject, context: ToolContext
+) -> Diagnosis:
+    """The robot's word on the second lift, after a look at what left its place where that is in doubt."""
+    asked = ClassifyArgs(
+        plan=plan, evidence=Evidence(sensing=lift), constraints=args.constraints, target=target, percept=percept
+    )
+    word = classify_failure(asked, context)
+    if not worth_a_look(lift, percept, target, sure=word.claimed):
+        return word
+    places = look_at_places(lift, percept, target, context)
+    return classify_failure(asked.model_copy(update={"evidence": Evidence(sensing=lift, places=places)}), context)
 
 
 def strategy_of(plan: Plan, subject: PerceivedObject) -> Strategy:
