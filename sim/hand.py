@@ -250,6 +250,12 @@ class Passing:
         all_near = self._farthest < HAND_RADIUS + max(grasp.standoff, lift) + CULL_MARGIN
         return least if all_near else min(least, CULL_MARGIN)
 
+    def count(self, limit: float, back: float = 0.0) -> int:
+        """How many points come nearer than `limit` [m] to the hand on its way up to `back` [m] before the grasp, unlifted."""
+        grasp, seen = self._grasp, self._sweep
+        sweep = _Sweep(seen.x, seen.y, seen.z + back, grasp.aperture, grasp.standoff, 0.0, seen.up)
+        return int((sweep.distances(sweep.bounds() < limit + ROUNDING) < limit).sum())
+
 
 def swept_least(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
     """The smallest of `swept_distances` [m], however large; inf without points."""

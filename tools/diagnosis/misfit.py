@@ -9,9 +9,9 @@ import numpy as np
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.vocabulary import FailureType
-from sim.hand import swept_count
+from sim.hand import Passing
 from sim.quality import FIT_ALLOWANCE
-from tools.planning.candidate import TIP_REACH, Array, vec3
+from tools.planning.candidate import TIP_REACH, Array
 from tools.planning.section import section
 from tools.planning.surroundings import own_points
 
@@ -33,20 +33,17 @@ def first_contact(grasp: Grasp, points_w: Array, touch: float = TOUCH) -> float 
     The end itself is 0; the larger, the earlier.
     """
     near = points_w[np.linalg.norm(points_w - np.asarray(grasp.position), axis=1) < 0.3] if len(points_w) else points_w
-    if len(near) < 4 or _is_free(grasp, near, 0.0, touch):
+    if len(near) < 4:
         return None
-    for back in BACK_STEPS:
+    passing = Passing(grasp, near)
+    # Single points err: two may be nearer.
+    if passing.count(touch) < 3:
+        return None
+    for back in BACK_STEPS.tolist():
         # The way up to `back` before the end: the first part that is free tells where the contact begins.
-        if _is_free(grasp, near, back, touch):
-            return float(back)
+        if passing.count(touch, back) < 3:
+            return back
     return float(BACK_STEPS[-1])
-
-
-def _is_free(grasp: Grasp, points_w: Array, back: float, touch: float) -> bool:
-    """Whether all but two of the points keep `touch` [m] from the hand on its way up to `back` before the end [m]."""
-    position = np.asarray(grasp.position) - back * np.asarray(grasp.approach)
-    stopped = grasp.model_copy(update={"position": vec3(position)})
-    return swept_count(stopped, points_w, touch, lift=0.0) < 3
 
 
 def meets(grasp: Grasp, target: PerceivedObject) -> bool:
