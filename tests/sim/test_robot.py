@@ -12,9 +12,15 @@ import pytest
 
 from kb.errors import BadInputError
 from kb.grasp import Grasp
+from sim.build_model import TIMESTEP
+from sim.carry_path import way_down
+from sim.controller import along, follow, part
 from sim.hand import FULL_LIFT
+from sim.kinematics import forward
 from sim.motion import Obstacle
+from sim.motion_run import MotionRun
 from sim.panda import READY
+from sim.place_motion import go_back
 from sim.placed import PlacedObject
 from sim.recording import Recording
 from sim.robot import Robot
@@ -306,3 +312,18 @@ def test_a_handover_holds_the_object_out_and_keeps_it(cube, scene) -> None:
     assert _at(world, "cube")[2] > 0.35
     robot.release_and_home()
     assert abs(_at(world, "cube")[2]) < 1e-3
+
+
+def test_a_hand_goes_back_the_way_it_came(scene, cube) -> None:
+    """From below a set-down the arm gets up and back to where the way to it began, to within 1 mrad a joint."""
+    world = World(scene(cube(x=0.5, y=-0.2)))
+    motion = MotionRun(world, StopSwitch())
+    goal = forward(READY)
+    goal[:3, 3] = 0.5, 0.2, 0.08
+    way = way_down(goal, READY, (), None)
+    assert way is not None
+    motion.run_guarded(way.transit.samples(TIMESTEP), 0.04, "carry", 30.0)
+    motion.run(follow(along(part(way.path, 0.0, 0.8), 1.0), 0.04, motion.commanded), "set_down")
+    go_back(motion, way)
+    assert motion.commanded == pytest.approx(READY, abs=1e-3)
+    assert motion.joints == pytest.approx(READY, abs=0.02)
