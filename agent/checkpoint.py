@@ -54,7 +54,10 @@ def memory_saver() -> Any:
 
 
 def sqlite_saver(path: Path) -> Any:
-    """A checkpointer on disk; every step is on it before the next one begins.
+    """A checkpointer on disk; every step is written before the next one begins.
+
+    A killed process loses no step. A power cut may lose the last few, never an earlier one and never the file: the journal
+    (WAL) is flushed to the platter when it is merged, not at each of the two writes a step (15 ms each on a slow disk).
 
     Raises:
         EnvironmentFaultError: the folder cannot be written, or the file is no database.
@@ -68,6 +71,7 @@ def sqlite_saver(path: Path) -> Any:
         connection = sqlite3.connect(str(path), check_same_thread=False, timeout=30.0)
         saver = SqliteSaver(connection, serde=serializer())
         saver.setup()
+        connection.execute("PRAGMA synchronous = NORMAL")
     except (OSError, sqlite3.Error) as error:
         raise EnvironmentFaultError(
             f"cannot keep threads in {path}: {error}", mend="set RAGVLM_HOME to a folder that can be written"
