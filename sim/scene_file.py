@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -40,8 +41,7 @@ def load_scene(name_or_path: str) -> SceneSpec:
         BadInputError: the scene is unknown, or its file is unreadable or wrong.
     """
     if name_or_path in builtin_scenes():
-        text = resources.files("sim").joinpath("scenes", f"{name_or_path}.yaml").read_text(encoding="utf-8")
-        return _parse(text, name_or_path, None)
+        return _builtin(name_or_path)
     if name_or_path in clutter_scenes():
         return clutter_scene(name_or_path.removeprefix(PREFIX))
     if name_or_path in ood_scenes():
@@ -53,6 +53,13 @@ def load_scene(name_or_path: str) -> SceneSpec:
             f"there is no scene {name_or_path!r}", choices=(*builtin_scenes(), "a path that ends in .yaml")
         )
     return _parse(_read(path), str(path), str(path))
+
+
+@lru_cache(maxsize=64)
+def _builtin(name: str) -> SceneSpec:
+    """A built-in scene, parsed once: a benchmark opens each of them hundreds of times."""
+    text = resources.files("sim").joinpath("scenes", f"{name}.yaml").read_text(encoding="utf-8")
+    return _parse(text, name, None)
 
 
 def _read(path: Path) -> str:
