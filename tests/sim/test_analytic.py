@@ -14,7 +14,9 @@ from kb.sensing import Sensing
 from kb.verdict import ObservedAttempt
 from sim.analytic import AnalyticRobot
 from sim.analytic_observer import AnalyticObserver
+from sim.analytic_outcome import _clearances, cloud
 from sim.catalogue import MODELS
+from sim.hand import swept_distances
 from sim.placed import PlacedObject, PlacedScene, RequiredConstraint, Task
 from sim.world import World
 
@@ -122,3 +124,15 @@ def test_required_constraints_are_measured() -> None:
     record = observer.constraints()[0]
     assert not record.satisfied
     assert record.measured["clearance_mm"] < 0
+
+
+def test_pieces_that_are_left_out_change_no_clearance() -> None:
+    """The clearance from each neighbour is the least distance of all points of it."""
+    rng = np.random.default_rng(5)
+    _, _, world = opened(CUBE, BALL, thing("wine_glass", "glass", 0.62, 0.0), thing("ceramic_bowl", "bowl", 0.42, 0.2))
+    for _ in range(30):
+        x, y, z = rng.uniform([0.35, -0.2, 0.02], [0.65, 0.25, 0.15]).tolist()
+        motion = grasp(x, y, z, yaw=float(rng.uniform(-3, 3)), approach=(math.sin(0.5), 0.0, -math.cos(0.5)))
+        found = _clearances(world, list(world.placed.objects), motion)
+        for other in world.placed.objects:
+            assert found[other.id] == pytest.approx(swept_distances(motion, cloud(world, other)).min(), abs=1e-12)

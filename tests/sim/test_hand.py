@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -15,6 +16,7 @@ from sim.hand import (
     PALM_ABOVE_TCP,
     TCP_OFFSET,
     TIP_BEYOND_TCP,
+    Passing,
     hand_boxes,
     swept_clearance,
     swept_clearances,
@@ -143,3 +145,22 @@ def test_points_that_are_left_out_change_no_bit(lift: float) -> None:
         assert swept_least(grasp, points, lift=lift) == distances.min()
         for limit in (-0.002, 0.001, 0.03):
             assert swept_count(grasp, points, limit, lift=lift) == (distances < limit).sum()
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.6])
+def test_one_view_of_the_points_serves_all_openings_and_lifts(tilt: float) -> None:
+    """Clearances and counts from one view are those of a grasp of its own for each opening, lift and way back."""
+    rng = np.random.default_rng(4)
+    for _ in range(40):
+        points = rng.normal([0.5, 0.0, 0.05], 0.08, (200, 3))
+        approach = (math.sin(tilt), 0.0, -math.cos(tilt))
+        yaw = float(rng.uniform(-3, 3))
+        grasp = Grasp(position=(0.5, 0, 0.1), approach=approach, yaw=yaw, aperture=0.07, force=10, type="power")
+        view = Passing(grasp, points)
+        for aperture, lift in itertools.product((0.03, 0.07), (0.0, 0.17)):
+            alone = grasp.model_copy(update={"aperture": aperture})
+            assert view.clearance(aperture, lift) == pytest.approx(swept_clearance(alone, points, lift=lift), abs=1e-12)
+        back = 0.02
+        x, y, z = (np.array(grasp.position) - back * np.array(approach)).tolist()
+        stopped = grasp.model_copy(update={"position": (x, y, z)})
+        assert view.count(0.004, back) == swept_count(stopped, points, 0.004, lift=0.0)

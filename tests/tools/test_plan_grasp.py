@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -265,3 +266,14 @@ def test_planning_is_quick_and_repeats_itself() -> None:
     first = planned(*objects)
     assert time.process_time() - begin < 0.15
     assert planned(*objects) == first
+
+
+def test_spare_grasps_decide_nothing() -> None:
+    """Without the grasps that are only shown, the plan is the same in everything else."""
+    seen = cup("t", 0.5, 0.1)
+    args = PlanArgs(percept=percept(seen, solid("n", "vase", 0.66, 0.1)), target="t")
+    plans = [plan_grasp(args, replace(context(), alternatives=spare)).plan for spare in (2, 0)]
+    full, bare = (plan.model_copy(update={"alternatives": (), "rejected": {}}) for plan in plans if plan is not None)
+    assert full == bare
+    assert plans[0] is not None
+    assert plans[0].alternatives
