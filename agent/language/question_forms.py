@@ -54,6 +54,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"(?:and |but |so )*(?:try|test|simulate|check|run|compute|calculate|predict) (?:it |that |the (?:same )?(?:grasp|force) |what happens |this |again )*(?:with|at|using|for|if)\b.*\d+(?:\.\d+)? n(?:ewtons?)?\b.*",
         r"(?:and |but |or )*(?:only |just |maybe |with |using |at |say )*\d+(?:\.\d+)? n(?:ewtons?)?(?: instead| then| maybe)?",
     ),
+    _pattern("why", rf"why (?:did|have|do|would) you (?:just )?{_GRASPED} .+ (?:and|but) not (?:the|a|an|that|this|from|by|with|at)\b.*"),
     _pattern(
         "why_failed",
         r"(?:so )?why (?:did|has) (?:it|that|this|you|the .*?|they) (?:just )?(?:fail|drop|slip|miss|lose|fall|crash|break|stop|"
@@ -67,7 +68,7 @@ PATTERNS: tuple[Pattern, ...] = (
         r"what (?:has )?(?:happened|went wrong|has gone wrong|did you do wrong|did not work)(?: (?:there|here|just now|to|with|when|during|now)\b.*)?", r"what was (?:it|that) that (?:went wrong|failed)",
         r"(?:so )?why (?:is|was|has|did|does|do|are|were|have|would|could) .*\b(?:fail|failed|failing|slip|slipped|drop|dropped|fall|fell|fallen|break|broke|broken|not|unsuccessful|lose|lost|miss|missed|stop|stopped|give up|gave up|given up|stuck|wrong|crash|crashed|topple|toppled|let go)\b.*",
         r"(?:please |can you |could you )*(?:explain|tell me|describe)(?: to me)? (?:why (?:it|that|this|you|the .*?) (?:failed|dropped|slipped|fell|broke|missed|did not|could not)|what (?:went wrong|happened|failed|the problem (?:is|was))|how (?:it|that|you) failed)\b.*",
-        r"(?:did|has) (?:it|that|something|anything) (?:fail|failed|go wrong|gone wrong|slip|slipped)", r"why the (?:failure|drop|slip|mistake)\b.*", r"why no success", r"why have you (?:failed|dropped|stopped).*",
+        r"(?:so )?(?:did|has) (?:it|that|this) (?:work|worked|succeed|succeeded|go well)(?: out)?", r"(?:was|is) (?:it|that) a (?:success|failure)", r"(?:did|has) (?:it|that|something|anything) (?:fail|failed|go wrong|gone wrong|slip|slipped)", r"why the (?:failure|drop|slip|mistake)\b.*", r"why no success", r"why have you (?:failed|dropped|stopped).*",
     ),
     _pattern(
         "why",

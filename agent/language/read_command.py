@@ -21,7 +21,7 @@ from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
 from agent.language.read_sort import read_measure
 from agent.language.refusals import CODE, refuse
-from agent.language.rephrase import rephrased
+from agent.language.rephrase import as_seen_by_person, rephrased
 from agent.language.stop import says_stop
 from agent.language.words import words
 
@@ -50,7 +50,7 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         text: the instruction as typed, at most 10,000 characters.
         pending: the goal about which the agent asked back last, which a bare noun phrase then completes.
     """
-    said = trim(words(text))
+    said = trim(as_seen_by_person(" ".join(words(text))).split())
     if not said:
         return Understanding(refusal=CANNOT_READ)
     if CODE.search(text) and not says_stop(" ".join(said)):

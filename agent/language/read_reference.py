@@ -57,6 +57,13 @@ QUESTION_WORDS = (
 )
 
 
+_MANNERS = frozenset(
+    "somewhere anywhere upright straight level steady flat sideways together around along aside again now first last "
+    "standing lying upside down open closed".split()
+)
+"""Words that may follow a noun without being part of it."""
+
+
 def read_reference(tokens: list[str]) -> Reading:
     """Reads all of `tokens` as one noun phrase.
 
@@ -178,13 +185,16 @@ def _read_exclusions(groups: list[list[str]], reading: Reading) -> None:
 
 def _read_head(tokens: list[str], reading: Reading) -> None:
     """Reads adjectives, numbers and the head noun, left to right."""
-    found, i = reading.found, 0
+    found, i, after_noun = reading.found, 0, -1
     if " ".join(tokens) in PRONOUNS:
         found["pronoun"] = True
         return
     while i < len(tokens):
         token = tokens[i]
-        step = read_number(tokens, i, reading) or read_adjective(tokens, i, reading) or _read_noun(tokens, i, reading)
+        step = read_number(tokens, i, reading) or read_adjective(tokens, i, reading)
+        if not step:
+            step = _read_noun(tokens, i, reading)
+            after_noun = i + step if step else after_noun
         if step:
             i += step
             continue
@@ -208,6 +218,8 @@ def _read_head(tokens: list[str], reading: Reading) -> None:
         i += 1
     if found.get("noun") is None and reading.unknown:
         _take_unknown_noun(tokens, reading)
+    if 0 < after_noun == len(tokens) - 1 and reading.unknown and reading.unknown[-1] == tokens[-1]:
+        _take_compound(tokens[-1], reading)
 
 
 def _read_noun(tokens: list[str], i: int, reading: Reading) -> int:
@@ -241,6 +253,20 @@ def _note_second_noun(phrase: str, reading: Reading) -> None:
     """Two head nouns in a row: "apple banana" says no single thing, "phone box" neither."""
     if lexicon.NOUNS[phrase] != reading.found.get("categories"):
         reading.contradiction = reading.contradiction or f"{reading.found['noun']} and {phrase} at once"
+
+
+def _take_compound(last: str, reading: Reading) -> None:
+    """Takes "bottle opener" as a thing that we don't know, and not as a bottle."""
+    noun = reading.found.get("noun")
+    if (
+        noun not in (None, "one", *lexicon.GENERIC)
+        and last.isalpha()
+        and len(last) > 2
+        and not last.endswith("ly")
+        and last not in _MANNERS
+    ):
+        reading.found.update(noun=f"{noun} {singular(last)}", categories=(), known=False)
+        reading.unknown = reading.unknown[:-1]
 
 
 def _take_unknown_noun(tokens: list[str], reading: Reading) -> None:

@@ -49,6 +49,10 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"^take (?P<t>(?:the|that|this|my|these|those|it|them|both|all|a)\b[^,.;]*) away$", r"take away \g<t>"),
         (r"^(?P<a>[^.;]+?) (?:[,.;] )?(?:but |and )?(?:before that|before doing so|before you do(?: that| so| it)?|but before)(?: [,.;])? (?P<b>(?!the\b|it\b)[^,.;]+)$", r"\g<b> then \g<a>"),
         (r"\b(?:farthest|furthest|most distant|far) (?:away )?from (?:me|us|here)\b", "farthest"),
+        (r"\b(?:on|to|at|onto) the (?:far|opposite|other) (?:side|end|edge) of the (?:table|desk)\b", "at the back"),
+        (r"\b(?:on|to|at|onto) the (?:near|nearer|close) (?:side|end|edge) of the (?:table|desk)\b", "to the front"),
+        (r"^use (?:the |a |an )?(?:[a-z]+ ){0,2}(?:grasp|grip|hold) (?:for|on|with) (?=the|a|an|that|this|my)", "pick up "),
+        (r" with (?:water|coffee|tea|juice|wine|milk|beer|soup)$", " filled"),
         # what is to stay
         (r"(?:^|(?: [,.;])?(?: and| but| while)? )(?P<stays>(?:the|my|that) (?:[a-z]+ ){0,2}?[a-z]+) (?:stays?|remains?|(?:should|must|can|has to|is to|may|shall|needs to) (?:stay|remain)|"
          r"(?:should|must|may|shall|is|can) not (?:to )?be (?:touched|moved|taken|cleared))(?: (?:put|there|here|where it is|where they are|on the (?:table|desk)|untouched|alone|in place|standing))*(?=$| [,.;]| and )",
@@ -91,6 +95,14 @@ _RULES: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"\b(?:at most|exactly|only|just|precisely|no more than) (?=(?:one|two|three|four|five|six|both|[2-9]) )", ""),
     )
 )  # fmt: skip
+_YOURS = (
+    (re.compile(r"\b(?:nearest|closest) (?:to )?(?:you|yourself|the robot|the arm)\b"), "farthest"),
+    (
+        re.compile(r"\b(?:farthest|furthest|most distant) (?:away )?from (?:you|yourself|the robot|the arm)\b"),
+        "nearest",
+    ),
+    (re.compile(r"\b(?:move|shift|carry) (?P<what>[^,.;]+?) (?:over |right )?there$"), r"put \g<what>"),
+)
 _STATED = re.compile(
     r"^(?:(?:there is|there are|i (?:can )?see|see|(?:do |can )?you see|look at|look ,? ?(?:there is|at)?|have a look at|i am done with|i have finished with|i am finished with|"
     r"i (?:do not|no longer) (?:need|want|like|use)|i (?:like|love|hate|want|need|prefer)|you know|remember|about|as for|regarding|concerning|now|so) )?"
@@ -100,6 +112,17 @@ _STATED = re.compile(
 )
 """Something said of a thing, and then what to do with it."""
 _ITS = re.compile(r"\b(?:it|that|them|this|that one|this one|those|these)\b(?! (?:is|are|way|time|handle|rim)\b)")
+
+
+def as_seen_by_person(line: str) -> str:
+    """The instruction with "closest to you" as the person sees it, who stands opposite, and without a place pointed at.
+
+    Args:
+        line: cleaned and mended tokens joined by spaces.
+    """
+    for pattern, becomes in _YOURS:
+        line = pattern.sub(becomes, line)
+    return line
 
 
 def rephrased(line: str) -> str:
