@@ -1,4 +1,4 @@
-"""The task graph for LangGraph's own tools (`langgraph.json`): the same wiring, with a context made of plain settings.
+"""The graphs for LangGraph's own tools (`langgraph.json`): the same wiring, with a context made of plain settings.
 
 A served thread gets its world when its first node runs; from then on the state carries the world's snapshot, so that any
 checkpoint can be taken up or forked.
@@ -15,6 +15,7 @@ from langchain_core.runnables import RunnableConfig
 from langgraph.runtime import Runtime
 
 from agent.build_agent import DEFAULT_SCENE, build_agent
+from agent.chat.graph import wire_chat
 from agent.context import AgentContext
 from agent.graph import wire
 from agent.state import State
@@ -31,6 +32,8 @@ class Settings:
     perception: PerceptionName = "rgbd"
     evaluator: EvaluatorName = "mujoco"
     dry_run: bool = False
+    approve: bool = False
+    """Interrupt before every motion; resume with an `agent.approval.Decision` as plain data."""
 
 
 _CONTEXTS: dict[str, AgentContext] = {}
@@ -47,6 +50,8 @@ def context_of(settings: Settings | None, config: RunnableConfig) -> AgentContex
             chosen.scene, chosen.seed, configuration=chosen.configuration, perception=chosen.perception,
             evaluator=chosen.evaluator, dry_run=chosen.dry_run,
         ).context  # fmt: skip
+        _CONTEXTS[key].approve = chosen.approve
+        _CONTEXTS[key].thread = thread or "here"
     return _CONTEXTS[key]
 
 
@@ -64,4 +69,6 @@ def served(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 graph = wire(Settings, served).compile(name="ragvlm")
-"""What `langgraph.json` names; the server brings its own checkpointer."""
+"""The task graph: one instruction a run. The server brings its own checkpointer."""
+chat_graph = wire_chat(Settings, served).compile(name="ragvlm-chat")
+"""The conversation around it: references, why, what if, memory (in the server's store)."""
