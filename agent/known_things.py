@@ -1,9 +1,24 @@
-"""What the agent knows about things from having moved them, where a look alone cannot tell."""
+"""What the agent knows about things where a look alone cannot tell: from having moved them, or because it was told."""
 
 from __future__ import annotations
 
 from agent.attempt import Held, Moved
-from kb.percept import Percept
+from agent.goal import Reference
+from kb.percept import PerceivedObject, Percept
+from kb.taxonomy import Taxonomy
+from kb.vocabulary import UNKNOWN_CATEGORY
+
+
+def called(thing: PerceivedObject, reference: Reference | None, known: Taxonomy) -> str:
+    """The category under which to look for experiences with a thing.
+
+    It is what was perceived; of a thing that fits no category, it is what the person calls it, if the taxonomy has that
+    name (benchmark.md section 6).
+    """
+    if thing.category != UNKNOWN_CATEGORY or reference is None:
+        return thing.category
+    said = (*((reference.noun.replace(" ", "_"),) if reference.noun else ()), *reference.categories)
+    return next((name for name in said if known.superclass(name) is not None), thing.category)
 
 
 def without_held(percept: Percept, held: Held | None) -> Percept:

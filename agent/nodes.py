@@ -16,7 +16,7 @@ from agent.context import AgentContext
 from agent.episode import recalled
 from agent.goal import Understanding
 from agent.ground import ground_goals
-from agent.known_things import found_again, without_held
+from agent.known_things import called, found_again, without_held
 from agent.state import State, Update, merged
 from agent.traced_tools import (
     build_scene_graph,
@@ -27,6 +27,7 @@ from agent.traced_tools import (
 )
 from kb.constraint import Constraints
 from kb.run_result import ModelUse
+from kb.taxonomy import taxonomy
 from memory import EpisodicMemory
 from tools.build_scene_graph import SceneGraphArgs
 from tools.infer_constraints import ConstraintArgs
@@ -104,9 +105,13 @@ def retrieve(state: State, runtime: Run) -> Update:
     """Stage 3: the experiences that help with this object."""
     context, times = runtime.context, dict[str, float]()
     target = phrases.target_of(state)
-    args = RetrieveArgs(category=target.category, affordance=target.affordance, embedding=target.embedding)
+    name, tries = called(target, state.goal.reference, taxonomy(context.switches.taxonomy)), len(state.attempts)
+    args = RetrieveArgs(category=name, affordance=target.affordance, embedding=target.embedding)
     with context.timed("retrieval", times):
-        got = retrieve_haarag(args, context.tool("retrieve", len(state.attempts)))
+        got = retrieve_haarag(args, context.tool("retrieve", tries))
+        if got.best() is None and name != target.category:  # what goes by that name is handled otherwise
+            seen = args.model_copy(update={"category": target.category})
+            got = retrieve_haarag(seen, context.tool("retrieve", tries))
     context.emit(events.Retrieved(text=phrases.retrieved(got), goal=state.current, retrieval=got))
     return Update(experiences=got, shown=state.shown or got, times=times)
 

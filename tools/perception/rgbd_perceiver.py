@@ -36,7 +36,7 @@ GHOST_POINTS, GHOST_HEIGHT = 120, 0.012
 FAINT_POINTS, FAINT_HEIGHT = 300, 0.0062
 """The same for so few points at so low a median height [m]: the table's own noise at its edge."""
 
-IN_VIEW = 0.8
+IN_VIEW = 0.25
 """What the front camera doesn't see although nothing hides more than the rest of it is no flat thing."""
 
 FLOATING = 0.06
