@@ -20,8 +20,10 @@ import time
 from pathlib import Path
 from typing import Any
 
+from kb.errors import EnvironmentFaultError
+
 ESCAPES = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|\x1b\][^\x07]*\x07|\x1b[@-Z\\-_=>]|[\r\x07]")
-PATIENCE_S = 120.0
+PATIENCE_S = 60.0
 """How long a loaded machine may take to say something [s]."""
 SIZE = (50, 150)
 """Rows and columns of the terminal."""
@@ -33,7 +35,7 @@ class PtyChat:
     def __init__(self, home: Path, *options: str, term: str = "xterm-256color") -> None:
         """Starts it with its data in `home`."""
         self.home = home
-        self.text, self._seen = "", 0
+        self.raw, self.text, self._seen = "", "", 0
         master, slave = pty.openpty()
         _set_size(slave)
         environment = {
@@ -56,10 +58,13 @@ class PtyChat:
         data = keys.encode()
         while data:
             # A terminal takes a paste in pieces, and shows what came so far in between.
-            _, ready, _ = select.select([self._master], [self._master], [], PATIENCE_S)
-            assert ready, "the terminal takes no keys"
-            data = data[os.write(self._master, data[:1024]) :]
-            self._read(0.0)
+            shown, takes, _ = select.select([self._master], [self._master], [], PATIENCE_S)
+            if not (shown or takes):
+                raise TimeoutError(f"the terminal takes no keys; shown was:\n{self.tail()}")
+            if shown and not self._read(0.0):
+                raise TimeoutError(f"it has ended; shown was:\n{self.tail()}")
+            if takes:
+                data = data[os.write(self._master, data[:1024]) :]
 
     def expect(self, pattern: str, patience: float = PATIENCE_S) -> str:
         """Waits until the pattern is shown after what was expected last; returns what it matched.
@@ -88,7 +93,9 @@ class PtyChat:
             data = os.read(self._master, 65536)
         except OSError:  # the other side has gone
             return False
-        self.text += ESCAPES.sub("", data.decode("utf-8", "replace"))
+        shown = data.decode("utf-8", "replace")
+        self.raw += shown
+        self.text += ESCAPES.sub("", shown)
         return bool(data)
 
     def tail(self) -> str:
@@ -126,7 +133,9 @@ class PageChat:
             env=environment,
         )  # fmt: skip
         assert self.process.stdout is not None
-        address = next(line.strip() for line in self.process.stdout if "token=" in line)
+        address = next((line.strip() for line in self.process.stdout if "token=" in line), "")
+        if not address:
+            raise EnvironmentFaultError("the page was not served", mend="see the message above")
         self.address = address
         """With its token, for a browser."""
         host = address.split("/")[2]

@@ -1,6 +1,7 @@
-"""`ragvlm chat` on a real terminal (tmux): references, questions, Ctrl-C, why, what-if, undo, and a motion that waits.
+"""`ragvlm chat` on a real terminal: references, questions, Ctrl-C, why, what-if, undo, a kill, and bad input.
 
-Kills are in tests/graph/test_kill_chat.py.
+The whole session is driven through tmux where that is installed (Debian's package tmux), else on a pty of our own. Kills at
+random points are in tests/graph/test_kill_chat.py.
 """
 
 from __future__ import annotations
@@ -12,20 +13,20 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed"),
-]
+from bench.chat_faces import ESCAPES, PtyChat
+
+pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-ESCAPES = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|\x1b\][^\x07]*\x07|\x1b[@-Z\\-_=>]|[\r\x07]")
 PATIENCE_S = 60.0
 """How long a loaded machine may take to say something [s]."""
+WHOLE = ("--scene", "repeated_categories", "--seed", "10001", "--perception", "oracle", "--thread", "t")
 
 
 class Pane:
@@ -70,22 +71,46 @@ class Pane:
         os.close(self._read)
 
 
+class TmuxChat(Pane):
+    """`ragvlm chat` in tmux."""
+
+    def __init__(self, home: Path, *options: str) -> None:
+        super().__init__(home)
+        self.type(
+            f"cd {ROOT} && RAGVLM_HOME={home} XDG_STATE_HOME={home} OMP_NUM_THREADS=1 {sys.executable} -m app chat "
+            + " ".join(options)
+        )
+
+    def press(self, keys: str) -> None:
+        """Presses Ctrl-C."""
+        assert keys == chr(3)
+        self._tmux("send-keys", "C-c")
+
+
 @pytest.fixture
-def pane(tmp_path: Path) -> Iterator[Pane]:
-    """A terminal."""
-    shown = Pane(tmp_path)
-    yield shown
-    shown.close()
+def chat(tmp_path: Path) -> Iterator[Callable[..., PtyChat]]:
+    """Opens chats on terminals of their own; all are closed in the end."""
+    opened: list[PtyChat] = []
+
+    def on_a_terminal(*options: str, **more: str) -> PtyChat:
+        opened.append(PtyChat(tmp_path, *options, **more))
+        return opened[-1]
+
+    yield on_a_terminal
+    for one in opened:
+        one.close()
 
 
-def test_a_whole_session_in_a_terminal(pane: Pane, tmp_path: Path) -> None:
+def test_a_whole_session_in_a_terminal(tmp_path: Path) -> None:
     """What product and issue promise of the terminal, once, in the order a person would do it."""
-    home = tmp_path / "home"
-    start = (
-        f"cd {ROOT} && RAGVLM_HOME={home} XDG_STATE_HOME={home} OMP_NUM_THREADS=1 {sys.executable} -m app chat "
-        "--scene repeated_categories --seed 10001 --perception oracle --thread t"
-    )
-    pane.type(start)
+    pane = (TmuxChat if shutil.which("tmux") else PtyChat)(tmp_path, *WHOLE)
+    try:
+        _whole_session(pane)
+    finally:
+        pane.close()
+
+
+def _whole_session(pane: Pane | PtyChat) -> None:
     pane.expect(r"scene repeated_categories, seed 10001")
     pane.type("pick up the block")
     pane.expect(r"Question +Which one do you mean")
@@ -95,7 +120,7 @@ def test_a_whole_session_in_a_terminal(pane: Pane, tmp_path: Path) -> None:
     pane.expect(r"Answer +I put the \S+ back")
     pane.type("now the other one")
     pane.expect(r"Action +(?:place_object|execute_grasp)")
-    pane.press("C-c")
+    pane.press(chr(3))
     pane.expect(r"stopped: I hold still until /release")
     pane.expect(r"Stopped +I am stopped")
     pane.type("/release")
@@ -114,3 +139,99 @@ def test_a_whole_session_in_a_terminal(pane: Pane, tmp_path: Path) -> None:
     pane.expect(r"approval on")
     pane.type("pick up the left block")
     pane.expect(r"Approve\? +May I do this\?")
+    pane.type("y")
+    pane.expect(r"Answer +I hold the")
+    pane.type("put it on the left")
+    pane.expect(r"Approve\? +May I put the block on the left\?")
+    pane.type("/edit x=2000")
+    pane.expect(r"Error +x: 2000 mm is off the table \(valid: 300 to 750 mm\)")
+    pane.type("no")
+    pane.expect(r"Answer +I could not")
+
+
+def test_a_killed_chat_goes_on_where_it_waited(chat: Callable[..., PtyChat]) -> None:
+    """After kill -9 while a motion waits: words, memory, world and the waiting motion are there, and can be approved."""
+    options = ("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", "--thread", "k")
+    first = chat(*options)
+    first.expect("you>")
+    first.type("pick up the cube")
+    first.expect(r"Answer +I hold the cube")
+    first.type("/approve on")
+    first.expect("approval on")
+    first.type("put it on the left")
+    first.expect(r"May I put the cube on the left\?")
+    first.kill()
+    second = chat("--thread", "k", "--perception", "oracle")
+    second.expect("scene single_cube, seed 10003")
+    second.expect("you: pick up the cube")
+    second.expect('a motion waits for your word: "put it on the left", put the cube on the left')
+    second.type("/memory")
+    second.expect("waits for your word first")
+    second.type("yes")
+    second.expect(r"Answer +I put the cube on the left")
+    second.type("/memory")
+    second.expect(r"cube")
+    second.type("/why")
+    second.expect(r"The observer saw success")
+
+
+@pytest.mark.long
+def test_a_chat_killed_at_twenty_moments_can_be_taken_up(chat: Callable[..., PtyChat], tmp_path: Path) -> None:
+    """After each kill -9 at a random moment of a turn `/resume` ends it; in the end every word and every deed is there."""
+    from agent.chat import Conversation
+
+    rng, said = np.random.default_rng(3), list[str]()
+    options = ("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", "--thread", "r")
+    for number in range(20):
+        one = chat(*options)
+        one.expect("you>")
+        if "was cut off" in one.text:
+            one.type("/resume")
+            one.expect(r"Answer +")
+            one.expect("you>")
+        said.append("pick up the cube" if number % 2 == 0 else "put it back")
+        one.type(said[-1])
+        one.expect(r"Goal +")
+        one.idle(float(rng.uniform(0.0, 1.5)))
+        one.kill()
+    with Conversation.open(thread="r", threads=tmp_path / "threads.sqlite", perception="oracle") as talk:
+        if talk.unfinished is not None:
+            list(talk.resume())
+        assert [text for who, text in talk.messages if who == "person"] == said
+        assert len(talk.state.attempts) == 10
+        assert all(attempt.claimed for attempt in talk.state.attempts)
+        assert talk.state.held is None
+
+
+def test_bad_input_costs_a_line_and_nothing_else(chat: Callable[..., PtyChat]) -> None:
+    """A typo names the nearest command; a huge paste, HTML and escape sequences do nothing; a second process is refused."""
+    one = chat("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", "--thread", "b")
+    one.expect("you>")
+    one.type("/wy")
+    one.expect('there is no command "/wy"; did you mean /why')
+    one.expect("you>")
+    one.press("hm")  # what is typed stands in the line: the terminal takes keys one by one again
+    one.expect("hm")
+    one.press(f"\x1b[200~{'x' * 1_000_000}\x1b[201~")
+    one.expect("error: 1000000 characters were pasted; an instruction has at most 10,000")
+    one.press("\x7f\x7f\x1b[200~<b>what</b> do you see\x1b]0;title\x07\x1b[2J\x00\x1b[201~\r")
+    one.expect("<b>what</b> do you see")
+    one.expect(r"Answer +I did not understand")
+    assert "\x1b]0;title" not in one.raw
+    assert "\x1b[2J" not in one.raw.partition("<b>what</b>")[2]
+    other = chat("--thread", "b")
+    other.expect(rf"session 'b' is open in another process \(pid {one.process.pid}\)")
+    assert other.process.wait(20) == 3
+    one.type("what do you see")
+    one.expect(r"Answer +I see an orange cube")
+
+
+def test_a_dumb_terminal_is_talked_with_line_by_line(chat: Callable[..., PtyChat]) -> None:
+    """With TERM=dumb no escape sequence is written; questions, slash commands and leaving work."""
+    one = chat("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", term="dumb")
+    one.expect("you> ")
+    one.press("what do you see\n")
+    one.expect(r"Answer +I see an orange cube")
+    one.press("/quit\n")
+    assert one.process.wait(20) == 0
+    assert "\x1b" not in one.raw
