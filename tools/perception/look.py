@@ -11,6 +11,7 @@ from kb.rgbd import RgbdView
 from tools.perception.blobs import BlobMaker, blob_maker
 from tools.perception.calibrate_view import CalibratedView, calibrate_view
 from tools.perception.contents import is_inside
+from tools.perception.lost_glass import restore_glass
 from tools.perception.measure import Measured, measure
 from tools.perception.object_points import object_points
 from tools.perception.segment import Pieces, segment
@@ -43,7 +44,7 @@ def take_apart(views: tuple[RgbdView, ...]) -> Look:
     for name in ("front", "top"):
         if name not in names:
             raise BadInputError(f"perception needs the {name} view", where="views", choices=("front", "top"))
-    ready = tuple(calibrate_view(view) for view in views)
+    ready = restore_glass(tuple(calibrate_view(view) for view in views))
     points = object_points(ready)
     pieces = segment(points)
     return Look(ready, pieces, blob_maker(ready, points, pieces))

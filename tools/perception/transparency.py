@@ -21,7 +21,7 @@ FEWEST = 6
 
 
 def clear_share(raw: Image, noise: float = 1.0) -> Array:
-    """Share of unmeasured pixels (H, W) around each pixel, edges left aside; NaN at edges.
+    """Share of unmeasured pixels (H, W) around each pixel, edges left aside; NaN at edges, 1 amid holes.
 
     With `noise` times the ordinary noise flat neighbourhoods range over that much more.
     """
@@ -31,7 +31,9 @@ def clear_share(raw: Image, noise: float = 1.0) -> Array:
     flat = (high - low < STEP * noise) & (high > 0)
     total = box_sum(flat.astype(np.float32), WINDOW)
     lost = box_sum((flat & ~measured).astype(np.float32), WINDOW)
-    return np.where(flat & (total >= FEWEST), lost / np.maximum(total, 1.0), np.nan)
+    share = np.where(flat & (total >= FEWEST), lost / np.maximum(total, 1.0), np.nan)
+    # Where nothing at all is measured, everything is lost (`tools.perception.lost_glass`).
+    return np.where(high > 0, share, 1.0)
 
 
 def _extreme(image: Image, pick: np.ufunc) -> Image:
