@@ -87,10 +87,11 @@ def hole_mask(view: CalibratedView) -> Mask:
 
 def _parts(mask: Mask, least: int) -> list[Mask]:
     """Connected parts of a mask with at least so many pixels, largest first."""
-    from scipy import ndimage
+    from scipy import ndimage  # pyright: ignore[reportMissingTypeStubs]
 
-    got: Any = ndimage.label(mask)
-    label: NDArray[np.intp] = np.asarray(got[0], np.intp)
+    name_parts: Any = ndimage.label  # pyright: ignore[reportUnknownMemberType]
+    got: tuple[NDArray[np.intp], int] = name_parts(mask)
+    label = got[0]
     count = int(got[1])
     sizes = np.bincount(label.reshape(-1), minlength=count + 1)[1:]
     order = sorted(range(count), key=lambda k: (-int(sizes[k]), k))
