@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterator
 
@@ -73,13 +74,13 @@ def mad_reply(prompt: Prompt, rng: np.random.Generator) -> str:
     return json.dumps({"text": str(rng.choice(INJECTIONS))})
 
 
-def fuzz(replies: int, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def fuzz(replies: int, draw: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs until so many mad replies were given; every motion is really made, and every control input is checked.
 
     On every second world the agent is told that the hand closed on nothing, whatever it holds, so that all four attempts
     and all reflections are reached.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(draw)
     executed: list[tuple[ExecuteArgs, float]] = []
     misled = False
 
@@ -90,11 +91,11 @@ def fuzz(replies: int, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(motions, "execute_grasp", watched)
     given, moved = 0, 0
-    worlds: Iterator[tuple[str, str, str]] = iter(_worlds())
+    worlds = _worlds()
     while given < replies:
-        scene, said, perception = next(worlds)
+        scene, seed, said, perception = next(worlds)
         chat = ScriptedChat(lambda prompt, _n: mad_reply(prompt, rng))
-        robot = build_agent(scene, 10_001, brain=ModelBrain(chat), perception=perception)  # type: ignore[arg-type]
+        robot = build_agent(scene, seed, brain=ModelBrain(chat), perception=perception)  # type: ignore[arg-type]
         witness = MotionWitness(robot.opened.world)
         for instruction in (said, "why did it fail?"):
             result = robot.run(instruction)
@@ -111,11 +112,14 @@ def fuzz(replies: int, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
         assert force <= args.plan.grasp.force + 1e-9
 
 
-def _worlds() -> Iterator[tuple[str, str, str]]:
-    while True:
-        yield "single_cube", "pick up the cube", "oracle"
-        yield "cup_near_vase", "pick up the cup next to the vase", "oracle"
-        yield "single_apple", "put the apple in the bin", "vlm"
+def _worlds() -> Iterator[tuple[str, int, str, str]]:
+    for seed in itertools.count(10_001):
+        yield "single_cube", seed, "pick up the cube", "oracle"
+        yield "cup_near_vase", seed, "pick up the cup next to the vase", "oracle"
+        yield "single_apple", seed, "put the apple in the bin", "vlm"
+        yield "phone_near_wine_glass", seed, "pick up the phone", "oracle"
+        yield "clear_table", seed, "clear the table", "oracle"
+        yield "filled_cup", seed, "put the cup on the left", "oracle"
 
 
 def _is_safe(args: ExecuteArgs) -> None:
