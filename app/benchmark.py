@@ -66,6 +66,10 @@ def run_bench(request: BenchRequest, shared: Mapping[str, Any], config: Path | N
     plan, workers = make_plan(request, options), _workers(request.workers)
     if request.out.exists() and not request.out.is_dir():
         raise BadInputError(f"{request.out} is a file, a folder is wanted", where="--out")
+    if options.embedder != "shape_colour" or options.kb_url is not None:
+        from bench.run_job import opened_store
+
+        opened_store(options.embedder, options.kb_url)  # what is missing is said before anything is written
     progress = Progress(to_stderr=options.json == "-")
     try:
         with progress:
@@ -100,7 +104,7 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
     from bench.job import MAX_NOISE, MAX_TRIALS, BenchPlan, Settings
     from bench.suite import CLUTTER_SCENES, tasks_of
 
-    if options.learn or options.kb or options.kb_url or options.embedder != "shape_colour":
+    if options.learn or options.kb:
         what = "the benchmark uses the shipped knowledge base as it is; learning is measured by `python -m bench.learn_study`"
         raise BadInputError(what, where="--config")
     most = CLUTTER_SCENES if request.suite == "clutter" else MAX_TRIALS
@@ -114,6 +118,7 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
         settings=Settings(
             seed=DEFAULT_SEED if options.seed is None else options.seed, brain=options.brain, base_url=options.base_url,
             perception=options.perception, evaluator=options.evaluator, record_brain=options.record_brain,
+            embedder=options.embedder, kb_url=options.kb_url,
         ),
         tasks=tasks_of(request.suite, None if request.tasks is None else _names(request.tasks, "--tasks")),
         configurations=names_of(_names(request.configurations or "full", "--configs")),

@@ -6,8 +6,8 @@ import io
 from pathlib import Path
 from typing import Any
 
-MARGIN, CAPTION = 8, 28
-"""Pixels between pictures, and for the words above them."""
+MARGIN, CAPTION, LETTERS = 8, 44, 24
+"""Pixels between pictures, for the words above them, and their size."""
 
 
 def side_by_side(file: Path, left: tuple[str, tuple[Any, ...]], right: tuple[str, tuple[Any, ...]]) -> None:
@@ -21,15 +21,15 @@ def side_by_side(file: Path, left: tuple[str, tuple[Any, ...]], right: tuple[str
     Raises:
         OSError: it cannot be written.
     """
-    from PIL import Image, ImageDraw
+    from PIL import Image, ImageDraw, ImageFont
 
     pairs = list(zip(left[1], right[1], strict=True))
     height, width = pairs[0][0].rgb.shape[:2]
     sheet = Image.new("RGB", (2 * width + 3 * MARGIN, CAPTION + len(pairs) * (height + MARGIN)), (24, 26, 30))
-    draw = ImageDraw.Draw(sheet)
+    draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(LETTERS)
     for column, (caption, _) in enumerate((left, right)):
         x = MARGIN + column * (width + MARGIN)
-        draw.text((x, MARGIN), _fitting(draw, caption, width), fill=(235, 235, 235))
+        draw.text((x, MARGIN), _fitting(draw, caption, width, font), fill=(235, 235, 235), font=font)
         for row, pair in enumerate(pairs):
             sheet.paste(Image.fromarray(pair[column].rgb), (x, CAPTION + row * (height + MARGIN)))
     buffer = io.BytesIO()
@@ -39,8 +39,8 @@ def side_by_side(file: Path, left: tuple[str, tuple[Any, ...]], right: tuple[str
     part.replace(file)
 
 
-def _fitting(draw: Any, text: str, width: int) -> str:
+def _fitting(draw: Any, text: str, width: int, font: Any) -> str:
     """As much of the text as fits."""
-    while draw.textlength(text) > width and len(text) > 4:
+    while draw.textlength(text, font=font) > width and len(text) > 4:
         text = text[:-4] + "..."
     return text

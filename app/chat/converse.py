@@ -64,6 +64,8 @@ def _open(options: RunOptions, printer: ChatPrinter, *, person: bool) -> Convers
 def _greet(conversation: Conversation, printer: ChatPrinter, *, told: bool) -> None:
     """Where the conversation stands: new, taken up again, cut off, or waiting for approval."""
     printer.say(f"{conversation.place}. Say what the robot is to do; /help helps.")
+    if not conversation.messages:
+        printer.say(f"for example: {first_words(conversation)}", "dim")
     thread = conversation.agent.thread
     if thread is not None and not told:
         printer.say(f"kept as {thread}; take it up again with: ragvlm chat --thread {thread}", "dim")
@@ -78,6 +80,15 @@ def _greet(conversation: Conversation, printer: ChatPrinter, *, told: bool) -> N
         printer.say(f'a motion waits for your word: "{pending.instruction}", {what}: yes, no, or how else', "yellow")
     elif unfinished is not None:
         printer.say(f'"{unfinished}" was cut off; /resume goes on with it', "yellow")
+
+
+def first_words(conversation: Conversation) -> str:
+    """What a person could say first in this scene."""
+    from sim.scene_file import load_scene
+
+    task = load_scene(conversation.agent.context.scene).task
+    asked = task.instructions[0] if task and task.instructions else "pick it up"
+    return f'"what do you see", "{asked}", then "why?", "put it back"'
 
 
 def _live_console():

@@ -50,6 +50,8 @@ def bench(
     record_brain: flags.RecordBrain = None,
     perception: flags.Perception = None,
     evaluator: flags.Evaluator = None,
+    embedder: flags.Embedder = None,
+    kb_url: flags.KbUrl = None,
     workers: Annotated[Whole, typer.Option("--workers", metavar="N", help="Processes (default: one a core).")] = None,
     dask: Annotated[
         Text, typer.Option("--dask", metavar="ADDRESS", help="Scheduler of a cluster that runs the trials.")
@@ -76,6 +78,8 @@ def bench(
         "record_brain": record_brain,
         "perception": perception,
         "evaluator": evaluator,
+        "embedder": embedder,
+        "kb_url": kb_url,
         "json": json_file,
     }
     request = BenchRequest(

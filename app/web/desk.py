@@ -99,8 +99,14 @@ class Desk:
         self.board.remembered(talk.memory)
         if talk.pending is not None:
             self.board.pending(talk.pending)
-            if talk.pending.motion == "grasp":
-                self.view.candidates(candidates_of(talk.pending.plan))
+            self._propose(talk.pending)
+
+    def _propose(self, asked: Any) -> None:
+        """Draws the motion that waits: the grasp with its rivals, or the place."""
+        if asked.motion == "place":
+            self.view.place(asked.point)
+        else:
+            self.view.candidates(candidates_of(asked.plan))
 
     def hello(self) -> dict[str, Any]:
         """Everything a page needs that opens now."""
@@ -220,6 +226,7 @@ class Desk:
             self.live.begin()
             self._note("said", "You", words)
         self.board.put("pending", None)
+        self.view.place(None)
         last = None
         for step in start():
             last = step
@@ -244,8 +251,10 @@ class Desk:
             self.pictures.look(talk.agent.views, step.percept)
         elif step.kind == "graphed":
             self.pictures.relate(step.graph, (self.board.parts["look"] or {}).get("target"))
-        elif step.kind in ("planned", "asked", "action"):
-            if step.plan is not None and getattr(step, "motion", "grasp") != "place":
+        elif step.kind == "asked":
+            self._propose(step)
+        elif step.kind in ("planned", "action"):
+            if step.plan is not None:
                 self.view.candidates(candidates_of(step.plan))
         elif step.kind in ("observation", "finished", "refused"):
             self.view.candidates(())

@@ -53,6 +53,7 @@ class View:
         self._grippers: dict[str, list[Any]] = {}
         self._candidates: tuple[Candidate, ...] = ()
         self._pointed: str | None = None
+        self._mark: list[Any] = []
 
     def open(self, placed: PlacedScene, qpos: NDArray[np.float64]) -> None:
         """Replaces what is shown by another scene, its joints at `qpos` (nq,)."""
@@ -64,7 +65,7 @@ class View:
         with self._lock, self._server.atomic():
             scene.reset()
             scene.set_up_direction("+z")
-            self._grippers, self._candidates, self._pointed = {}, (), None
+            self._grippers, self._candidates, self._pointed, self._mark = {}, (), None, []
             self._pose = VisualPose(placed)
             self._bodies = ViserMujocoScene(self._server, self._pose.model, 1)
             self._bodies.camera_tracking_enabled = False
@@ -115,6 +116,20 @@ class View:
             self._candidates, self._grippers, self._pointed = tuple(candidates[:MAX_SHOWN]), {}, None
             for rank, candidate in enumerate(self._candidates, start=1):
                 self._grippers[candidate.name] = self._draw(rank, candidate, pointed=False)
+
+    def place(self, point: tuple[float, float] | None) -> None:
+        """Marks where something is to be put down (x, y) [m]; None takes the mark away."""
+        with self._lock, self._server.atomic():
+            _remove(self._mark)
+            self._mark = []
+            if point is None:
+                return
+            x, y = point
+            scene = self._server.scene
+            self._mark = [
+                scene.add_cylinder("/place/disc", 0.045, 0.004, color=CHOSEN, opacity=0.7, position=(x, y, 0.003)),
+                scene.add_label("/place/label", "here", position=(x, y, 0.05), anchor="bottom-center"),
+            ]
 
     def point(self, name: str | None) -> None:
         """Sets off the gripper of that name, as the list beside it does."""

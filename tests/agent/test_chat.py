@@ -314,6 +314,25 @@ def test_a_full_disk_costs_one_line_and_nothing_that_was_saved(tmp_path: Path) -
         assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
 
 
+def test_a_read_only_file_costs_one_line_and_nothing_that_was_saved(tmp_path: Path) -> None:
+    """Where threads can suddenly not be written, the turn is refused with the mend; later all is there as it was saved."""
+    threads = tmp_path / "threads.sqlite"
+    with opened(thread="t", threads=threads) as talk:
+        events(talk.say("pick up the cup"))
+        before = talk.messages
+        talk.agent.graph.checkpointer.conn.execute("PRAGMA query_only = ON")
+        told = events(talk.say("put it back"))["refused"]
+        assert told.code == 3
+        assert "cannot save the conversation" in told.text
+        assert "\n" not in told.text
+        talk.agent.graph.checkpointer.conn.execute("PRAGMA query_only = OFF")
+        assert talk.messages == before
+        assert events(talk.say("put it back"))["finished"].result.success
+    with pytest.raises(EnvironmentFaultError, match="cannot keep the session") as refused:
+        opened(thread="t", threads="/proc/nowhere/threads.sqlite")
+    assert "\n" not in str(refused.value)
+
+
 @pytest.mark.long
 def test_memory_stays_flat_over_500_commands(tmp_path: Path) -> None:
     """Checkpoint size and the process stay within 5 % from the 100th command to the 500th."""

@@ -46,6 +46,7 @@ class FakeConversation:
         self.heard: list[str] = []
         world = SimpleNamespace(recorders=[], index=SimpleNamespace(sensors={}))
         self.agent = SimpleNamespace(thread=thread, opened=SimpleNamespace(world=world, motions=0))
+        self.agent.context = SimpleNamespace(scene=options.scene or "single_cup")
         self.folder, self.state = None, State()
         self.place, self.asks, self.stopped = f"scene {options.scene}, seed 0", options.approve, False
         self.messages: tuple[tuple[str, str], ...] = ()

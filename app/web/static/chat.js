@@ -4,6 +4,11 @@ import { $, fill, h } from "./dom.js";
 const STEPS = ["understood", "look", "grounding", "retrieved", "graphed", "constrained", "planned", "thought", "approval", "action", "observation", "reflection", "remembered", "sub_goal", "heeded", "noted"];
 const MOST = 400;
 
+export function enlarge(source) {
+  $("picture-large").src = source;
+  $("picture-dialog").showModal();
+}
+
 export function entryElement(entry) {
   const kind = /^[a-z_]+$/.test(entry.kind) ? entry.kind : "noted";
   const box = h("div", { class: `entry k-${kind}${STEPS.includes(kind) ? " step" : ""}` }, h("span", { class: "who" }, entry.label), h("span", {}, entry.text));
@@ -11,15 +16,19 @@ export function entryElement(entry) {
     box.append(h("details", {}, h("summary", {}, entry.details.length === 1 ? "numbers" : `${entry.details.length} lines`), ...entry.details.map((line) => h("div", {}, line))));
   }
   // Only pictures of this session's own folder are shown, whatever an entry says.
-  if (/^\/session\/[A-Za-z0-9_-]+\.png$/.test(entry.picture ?? "")) box.append(h("img", { class: "aside", src: entry.picture, alt: "Both endings side by side" }));
+  if (/^\/session\/[A-Za-z0-9_-]+\.png$/.test(entry.picture ?? "")) box.append(h("button", { type: "button", class: "aside", "aria-label": "Enlarge the picture", onclick: () => enlarge(entry.picture) }, h("img", { src: entry.picture, alt: "Both endings side by side" })));
   return box;
 }
 
 // The end stays in view while the person has not scrolled back, also when the box below grows or shrinks.
-let pinned = true, top = 0;
+let pinned = true, top = 0, size = "";
 $("log").addEventListener("scroll", () => {
-  const log = $("log");
-  if (log.scrollHeight - log.scrollTop - log.clientHeight < 60) pinned = true;
+  const log = $("log"), now = `${log.clientWidth}x${log.clientHeight}`;
+  // A window that changes its size moves the text too; that is nobody scrolling back.
+  if (now !== size) {
+    size = now;
+    if (pinned) log.scrollTop = log.scrollHeight;
+  } else if (log.scrollHeight - log.scrollTop - log.clientHeight < 60) pinned = true;
   else if (log.scrollTop < top) pinned = false;
   top = log.scrollTop;
 });
@@ -41,23 +50,23 @@ export function showTranscript(entries) {
 }
 
 // Field, label, digits, scale to what is shown.
-const FIELDS = [["force", "force N", 1, 1], ["aperture", "open mm", 0, 1000], ["yaw", "yaw °", 0, 180 / Math.PI], ["standoff", "start mm", 0, 1000], ["speed", "speed", 2, 1], ["x", "x mm", 0, 1000, "from the robot's base"], ["y", "y mm", 0, 1000, "to the robot's left"]];
+const FIELDS = [["force", "force N", 1, 1], ["aperture", "open mm", 0, 1000], ["yaw", "yaw °", 0, 180 / Math.PI], ["standoff", "start mm", 0, 1000], ["speed", "speed", 2, 1], ["x", "mm from its base", 0, 1000], ["y", "mm to your right", 0, 1000]];
 
 export function showApproval(pending, limits, mayAct, send) {
   const box = $("approval");
   box.hidden = !pending;
   if (!pending) return;
-  const inputs = FIELDS.filter(([field]) => field in pending.numbers).map(([field, label, digits, scale, where]) => {
+  const inputs = FIELDS.filter(([field]) => field in pending.numbers).map(([field, label, digits, scale]) => {
     const [low, high] = (limits[field] ?? [-1e3, 1e3]).map((value) => value * scale);
     const shown = Number((pending.numbers[field] * scale).toFixed(digits));
-    const hint = `${Number(low.toFixed(digits))} to ${Number(high.toFixed(digits))}${where ? `, ${where}` : ""}`;
+    const hint = `${Number(low.toFixed(digits))} to ${Number(high.toFixed(digits))}`;
     const input = h("input", { type: "number", name: field, step: "any", min: Math.floor(low * 100) / 100, max: Math.ceil(high * 100) / 100, value: shown, title: hint, required: true, disabled: !mayAct });
     return [field, scale, shown, input, label];
   });
   const yes = h("button", { type: "submit", class: "yes", disabled: !mayAct }, "Approve");
   const changed = () => inputs.filter(([, , was, input]) => Number(input.value) !== was);
   fill(box, h("h2", {}, pending.question), h("p", { class: "why" }, pending.thought),
-    h("div", { class: "numbers" }, ...inputs.map(([, , , input, label]) => h("label", {}, label, input))),
+    h("div", { class: inputs.length > 2 ? "numbers" : "numbers few" }, ...inputs.map(([, , , input, label]) => h("label", {}, label, input))),
     h("div", { class: "row" }, yes, h("button", { type: "button", class: "no", disabled: !mayAct, onclick: () => send({ type: "reject" }) }, "Reject")));
   box.oninput = () => { yes.textContent = changed().length ? "Approve with my numbers" : "Approve"; };
   box.onsubmit = (event) => {

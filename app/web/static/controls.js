@@ -1,4 +1,5 @@
 // Stop and release, scenes, sessions, speed, replays: everything in the bar and under the 3D view.
+import { enlarge } from "./chat.js";
 import { $, fill, h } from "./dom.js";
 
 export function wireControls(page, send) {
@@ -49,14 +50,14 @@ function showStatus(page) {
   holder.textContent = yours ? "You control" : controls.free ? "Take the controls" : `View only: page ${controls.holder} controls`;
   for (const id of ["scene-open", "session-open", "speed", "asks", "release", "words"]) $(id).disabled = !yours;
   document.querySelector(".send").disabled = !yours;
-  $("words").placeholder = !yours ? "Another page has the controls" : status.busy ? "Steer it: “gentler”, “no, by the handle”" : "Tell the robot what to do";
+  $("words").placeholder = !yours ? "Another page has the controls" : page.board.pending ? "yes, no, or how else it should be" : status.busy ? "Steer it: “gentler”, “no, by the handle”" : "Tell the robot what to do";
 }
 
 function wireDialogs(page, send) {
   const close = (id) => $(id).close();
   $("scene-open").onclick = () => { $("scene-seed").value = page.status.seed ?? 0; $("scene-dialog").showModal(); };
   $("session-open").onclick = () => { send({ type: "offers" }); $("session-dialog").showModal(); };
-  $("picture-open").onclick = () => { $("picture-large").src = $("picture").dataset.whole; $("picture-dialog").showModal(); };
+  $("picture-open").onclick = () => enlarge($("picture").dataset.whole);
   $("scene-go").onclick = () => { send({ type: "scene", name: $("scene-pick").value, seed: Number($("scene-seed").value) || 0 }); close("scene-dialog"); };
   $("add-place").onchange = (event) => { $("add-x").disabled = $("add-y").disabled = !event.target.checked; };
   $("add-go").onclick = () => {

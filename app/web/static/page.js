@@ -34,7 +34,7 @@ const PARTS = {
   attempts: (value) => showAttempts(value, send),
   memory: (value) => showMemory(value, send),
   pictures: (value) => showPictures(value, page.camera, (name) => { page.camera = name; PARTS.pictures(page.board.pictures); }),
-  pending: (value) => { showApproval(value, page.offers.limits, page.controls.yours, send); hints(); },
+  pending: (value) => { controls.show(); showApproval(value, page.offers.limits, page.controls.yours, send); hints(); },
 };
 
 function hints() {
@@ -72,7 +72,7 @@ const HANDLERS = {
     page.board[message.part] = message.value;
     PARTS[message.part]?.(message.value);
     if (message.part === "attempts" && message.value.at(-1)?.state === "moving" && message.value.at(-1).curve.length === 0) chooseTab("tab-attempts");
-    if (message.part === "pending" && message.value) chooseTab("tab-grasps");
+    if (message.part === "pending" && message.value && "force" in message.value.numbers) chooseTab("tab-grasps");
   },
   entry(message) {
     document.querySelector("#log > .empty")?.remove();
