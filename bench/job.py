@@ -32,6 +32,10 @@ class Settings(Noun):
     base_url: str | None = None
     record_brain: str | None = None
     """File that keeps a language model's replies, so that all configurations see the same ones (ledger G45)."""
+    embedder: str = "shape_colour"
+    """What looks are compared by (`kb.open_embedder`)."""
+    kb_url: str | None = None
+    """Chroma server with the knowledge base; None for the shipped one."""
 
 
 class BenchPlan(Noun):

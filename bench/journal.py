@@ -93,6 +93,8 @@ class Journal:
     def _check_settings(self, settings: Settings) -> None:
         """Rows of different settings can't stand in one table."""
         known, wanted = self._known_run().get("settings", {}), settings.model_dump()
+        if known:  # of a folder that is older than a setting: it was run with the default
+            known = {**type(settings)().model_dump(), **known}
         for name, value in wanted.items():
             if name in known and known[name] != value:
                 raise BadInputError(

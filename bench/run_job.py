@@ -9,7 +9,7 @@ import gc
 import logging
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from typing import Any
 
@@ -19,13 +19,14 @@ from bench.row import Row, error_row, row_of
 from bench.shared_walk import SharedWalk
 from bench.shared_world import SharedWorld, SharingPerceiver
 from bench.suite import instruction_of
+from kb.errors import BadInputError, EnvironmentFaultError
 
 log = logging.getLogger(__name__)
 
 
 def run_job(job: Job) -> Iterator[Row]:
     """One row per configuration, each as soon as it is finished. Raises nothing but what stops the process."""
-    with _collected_after():
+    with _collected_after(job):
         yield from _rows(job)
 
 
@@ -49,9 +50,9 @@ def _rows(job: Job) -> Iterator[Row]:
 
 
 @contextmanager
-def _collected_after() -> Iterator[None]:
+def _collected_after(job: Job) -> Iterator[None]:
     """Looks for garbage once at the end instead of every few hundred objects, which took a seventh of an analytic trial."""
-    _keep_what_stays()
+    _keep_what_stays(job.settings.embedder, job.settings.kb_url)
     was = gc.isenabled()
     gc.disable()
     try:
@@ -63,9 +64,13 @@ def _collected_after() -> Iterator[None]:
 
 
 @lru_cache(maxsize=1)
-def _keep_what_stays() -> None:
-    """Takes modules and the knowledge base, which stay until the process ends, out of all searches for garbage."""
-    _store()
+def _keep_what_stays(embedder: str, kb_url: str | None) -> None:
+    """Takes modules and the knowledge base, which stay until the process ends, out of all searches for garbage.
+
+    What cannot be opened is said by the job that needs it.
+    """
+    with suppress(BadInputError, EnvironmentFaultError):
+        opened_store(embedder, kb_url)
     gc.collect()
     gc.freeze()
 
@@ -75,11 +80,26 @@ def _said(error: Exception) -> str:
 
 
 @lru_cache(maxsize=1)
-def _store() -> Any:
-    """The shipped knowledge base, read once a process; nothing writes to it."""
+def _embedder(name: str) -> Any:
+    """The embedder of that name, opened once a process."""
+    from kb.open_embedder import open_embedder
+
+    return open_embedder(name)
+
+
+@lru_cache(maxsize=1)
+def opened_store(embedder: str, kb_url: str | None) -> Any:
+    """The shipped knowledge base or a server's, read once a process with the embedder's vectors; nothing writes to it.
+
+    Raises:
+        BadInputError: there is no such embedder, or the address is none.
+        EnvironmentFaultError: the embedder's packages or weights are missing, or the server cannot be reached.
+    """
+    from kb.chroma_server import read_server
+    from kb.embed_store import embedded_store
     from kb.store import ExperienceStore
 
-    return ExperienceStore.open(None)
+    return embedded_store(ExperienceStore.open(None) if kb_url is None else read_server(kb_url), _embedder(embedder))
 
 
 class _Shared:
@@ -115,7 +135,8 @@ class _Shared:
             scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
             evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
             record_brain=settings.record_brain,
-            opened=world, perceiver=self._perceiver(perception), store=_store(),
+            opened=world, perceiver=self._perceiver(perception),
+            store=opened_store(settings.embedder, settings.kb_url), embedder=_embedder(settings.embedder),
         )  # fmt: skip
         context = agent.context
         context.clock = world.clock
@@ -147,18 +168,20 @@ class _Shared:
 
     def _perceiver(self, name: Any) -> SharingPerceiver:
         """The perceiver of that name, made once."""
-        from kb.shape_colour import ShapeColourEmbedder
         from tools.open_world import open_perceiver
 
-        self.world.blind = name == "oracle" and self.job.settings.evaluator == "analytic"
+        settings = self.job.settings
+        self.world.blind = name == "oracle" and settings.evaluator == "analytic"
         if name not in self._perceivers:
             if self.world.blind:
                 from bench.blind_look import BlindOracle
 
                 oracle = open_perceiver(name, self.world, None)
-                perceiver: Any = BlindOracle(oracle, self.world.placed, _store(), self.job.seed)
+                perceiver: Any = BlindOracle(
+                    oracle, self.world.placed, opened_store(settings.embedder, settings.kb_url), self.job.seed
+                )
             else:
-                perceiver = open_perceiver(name, self.world, ShapeColourEmbedder())
+                perceiver = open_perceiver(name, self.world, _embedder(settings.embedder))
             self._perceivers[name] = SharingPerceiver(perceiver, name, self.world)
         return self._perceivers[name]
 
