@@ -132,6 +132,11 @@ class Conversation(Questions):
         yield from self._one(text)
         yield from self.unheard()
 
+    @property
+    def has_unheard(self) -> bool:
+        """Whether something said by `steer` was not dealt with yet."""
+        return not self._mail.empty()
+
     def unheard(self) -> Iterator[BaseStep]:
         """Deals with what was said by `steer` and came too late for its turn; after a stop it is dropped."""
         from agent.chat.events import Noted, Said

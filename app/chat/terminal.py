@@ -34,6 +34,8 @@ class Terminal:
         self._worker: threading.Thread | None = None
         self._later: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._leaving = False
+        self._turning = threading.Lock()
+        self._busy = False
         self._code = ACHIEVED
         self._failure: BaseException | None = None
         self._prompt: PromptSession[str] = _prompt_session(self._refuse_paste)
@@ -69,7 +71,7 @@ class Terminal:
     @property
     def busy(self) -> bool:
         """Whether a turn is running."""
-        return self._worker is not None and self._worker.is_alive()
+        return self._busy
 
     def _label(self) -> str:
         """The prompt says what the robot is at."""
@@ -84,12 +86,18 @@ class Terminal:
         text = line.strip()
         if not text:
             return
-        if not self.busy:
+        with self._turning:  # a turn that is just ending either hears the line still, or has ended
+            begins, self._busy = not self._busy, True
+            if not begins:
+                self._while_busy(text, line)
+        if begins:
             self._worker = threading.Thread(target=self._hear, args=(line,), name="ragvlm-turn", daemon=True)
             self._worker.start()
             # Most answers come at once; the prompt is drawn again after them rather than before.
             self._worker.join(0.15)
-            return
+
+    def _while_busy(self, text: str, line: str) -> None:
+        """A line that comes while the robot works."""
         say = self._talk.printer.say
         if not text.startswith("/"):
             self._talk.conversation.steer(text)
@@ -113,14 +121,20 @@ class Terminal:
         """Runs in the thread of the turn."""
         try:
             self._leaving = not self._talk.hear(line)
-            while not self._leaving:
+            while not self._leaving and not self._over():
                 self._talk.catch_up()
-                if self._later.empty():
-                    break
-                self._leaving = not self._talk.hear(self._later.get())
+                if not self._later.empty():
+                    self._leaving = not self._talk.hear(self._later.get())
         except BaseException as error:
             self._failure, self._leaving = error, True
+        self._busy = False
         self._wake()
+
+    def _over(self) -> bool:
+        """Whether nothing is left to be heard; from then on a line begins a turn of its own."""
+        with self._turning:
+            self._busy = not self._later.empty() or self._talk.conversation.has_unheard
+            return not self._busy
 
     def _wake(self) -> None:
         """Draws the prompt anew, or ends it when the person leaves."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated, Any, Optional
 
 import typer
 
@@ -18,6 +18,30 @@ Store = Annotated[
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+Affordance = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--affordance", metavar="TYPE", help="For example GRASPABLE_HANDLE (default: the category's)."),
+]
+Material = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--material", metavar="NAME", help="For example ceramic (default: the category's)."),
+]
+Fragility = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option("--fragility", metavar="0..1", help="0 durable, 1 breaks at a touch (default: the category's)."),
+]
+Workers = Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")]
+Folder = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--kb", metavar="DIR", help="A learning knowledge base (default: the user's own)."),
+]
+
+
+def _described(**given: object) -> dict[str, Any]:
+    """What was said about an object."""
+    return {key: value for key, value in given.items() if value is not None}
 
 
 @app.command("show")
@@ -47,18 +71,9 @@ def show(
 @app.command("query")
 def query(
     category: Annotated[str, typer.Argument(metavar="CATEGORY", help='For example "mug"; "unknown" is allowed.')],
-    affordance: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--affordance", metavar="TYPE", help="For example GRASPABLE_HANDLE (default: the category's)."),
-    ] = None,
-    material: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--material", metavar="NAME", help="For example ceramic (default: the category's)."),
-    ] = None,
-    fragility: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fragility", metavar="0..1", help="0 durable, 1 breaks at a touch (default: the category's)."),
-    ] = None,
+    affordance: Affordance = None,
+    material: Material = None,
+    fragility: Fragility = None,
     region: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option("--region", metavar="NAME", help="For example rim (default: the category's)."),
@@ -70,14 +85,14 @@ def query(
     """Retrieve experiences for an object described in words, with the scores of all three levels."""
     from app.knowledge import query_store
 
-    described = {"type": affordance, "material": material, "fragility": fragility, "region": region}
-    query_store(store, category, {key: value for key, value in described.items() if value is not None}, k, json_output)
+    described = _described(type=affordance, material=material, fragility=fragility, region=region)
+    query_store(store, category, described, k, json_output)
 
 
 @app.command("build")
 def build(
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Where to write the knowledge base.")],
-    workers: Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")] = 2,
+    workers: Workers = 2,
     trials: Annotated[int, typer.Option("--trials", min=10, max=200, metavar="N", help="Trials per entry.")] = 10,
     categories: Annotated[
         Optional[str],  # noqa: UP045
@@ -119,7 +134,7 @@ def evaluate(
         Optional[Path],  # noqa: UP045
         typer.Option("--executed", metavar="FILE", help="Executed outcomes (default: beside the knowledge base)."),
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", min=1, max=64, metavar="N", help="Processes.")] = 2,
+    workers: Workers = 2,
     again: Annotated[bool, typer.Option("--again", help="Execute everything anew: the physics changed.")] = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="One view per object, nothing executed that was not executed before.")
@@ -140,12 +155,6 @@ def evaluate(
         workers=1 if quick else workers,
         again=again,
     )
-
-
-Folder = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--kb", metavar="DIR", help="A learning knowledge base (default: the user's own)."),
-]
 
 
 @app.command("log")
@@ -188,27 +197,17 @@ def add(
     name: Annotated[str, typer.Argument(metavar="NAME", help='What it is called, for example "knob".')],
     scene: Annotated[str, typer.Option("--scene", metavar="NAME|FILE", help="A scene with the object in it.")],
     thing: Annotated[str, typer.Option("--object", metavar="ID", help="Its id in the scene.")],
-    affordance: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--affordance", metavar="TYPE", help="If you know it better than perception."),
-    ] = None,
-    material: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--material", metavar="NAME", help="Likewise."),
-    ] = None,
-    fragility: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fragility", metavar="0..1", help="Likewise."),
-    ] = None,
+    affordance: Affordance = None,
+    material: Material = None,
+    fragility: Fragility = None,
     trials: Annotated[int, typer.Option("--trials", min=10, max=200, metavar="N", help="Physical trials.")] = 10,
     kb: Folder = None,
 ) -> None:
     """Teach it an object: grasp it in physics and keep how that went."""
     from app.learning import add_object, default_folder
 
-    described = {"type": affordance, "material": material, "fragility": fragility}
-    given = {key: value for key, value in described.items() if value is not None}
-    add_object(kb or default_folder(), name, scene, thing, given, trials)
+    described = _described(type=affordance, material=material, fragility=fragility)
+    add_object(kb or default_folder(), name, scene, thing, described, trials)
 
 
 @app.command("push")
