@@ -25,6 +25,8 @@ from kb.errors import EnvironmentFaultError
 ESCAPES = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|\x1b\][^\x07]*\x07|\x1b[@-Z\\-_=>]|[\r\x07]")
 PATIENCE_S = 60.0
 """How long a loaded machine may take to say something [s]."""
+PROMPT = "yo?u>"
+"""Only characters that differ from what stood there are drawn: after "working>" the prompt comes without its o."""
 SIZE = (50, 150)
 """Rows and columns of the terminal."""
 

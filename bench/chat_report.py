@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.chat_faces import PageChat, PtyChat, cpu_seconds, resident_mb
+from bench.chat_faces import PROMPT, PageChat, PtyChat, cpu_seconds, resident_mb
 from kb.errors import BadInputError
 
 SCENE = ("--scene", "single_cube", "--seed", "10001")
@@ -109,7 +109,7 @@ def stop_terminal(stops: int) -> list[Line]:
         chat = PtyChat(home, *SCENE, "--perception", "oracle", "--thread", "t")
         spans = home / "sessions" / "t" / "spans.jsonl"
         try:
-            chat.expect("you>")
+            chat.expect(PROMPT)
             missed = 0
             while len(taken) < stops and missed < 3 * stops + 10:
                 chat.type("pick up the cube")
@@ -158,7 +158,7 @@ def turns(count: int) -> list[Line]:
         home = Path(folder)
         chat = PtyChat(home, *SCENE, "--thread", "t")
         try:
-            chat.expect("you>")
+            chat.expect(PROMPT)
             for number in range(count):
                 chat.press("pick up the cube" if number % 2 == 0 else "put it back")
                 chat.idle(0.2)
@@ -166,7 +166,7 @@ def turns(count: int) -> list[Line]:
                 chat.press("\r")
                 chat.expect(r"Goal +")
                 first.append((time.monotonic() - at) * 1000)
-                chat.expect(r"Answer +[\s\S]*?you>")
+                chat.expect(rf"Answer +[\s\S]*?{PROMPT}")
             chat.type(f"/save {home / 'turns.json'}")
             chat.expect(r"results in")
             results = json.loads((home / "turns.json").read_text(encoding="utf-8"))
@@ -253,11 +253,11 @@ def memory(commands: int) -> list[Line]:
     with tempfile.TemporaryDirectory() as folder:
         chat = PtyChat(Path(folder), *SCENE, "--perception", "oracle", "--thread", "t")
         try:
-            chat.expect("you>")
+            chat.expect(PROMPT)
             for number in range(commands):
                 chat.type("pick up the cube" if number % 2 == 0 else "put it back")
                 chat.expect(r"Answer +")
-                chat.expect("you>")
+                chat.expect(PROMPT)
                 chat.text, chat._seen = "", 0
                 if number + 1 in (2 * commands // 5, commands):
                     sizes[number + 1] = resident_mb(chat.process.pid)

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.chat_faces import ESCAPES, PtyChat
+from bench.chat_faces import ESCAPES, PROMPT, PtyChat
 
 pytestmark = pytest.mark.slow
 
@@ -153,7 +153,7 @@ def test_a_killed_chat_goes_on_where_it_waited(chat: Callable[..., PtyChat]) -> 
     """After kill -9 while a motion waits: words, memory, world and the waiting motion are there, and can be approved."""
     options = ("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", "--thread", "k")
     first = chat(*options)
-    first.expect("you>")
+    first.expect(PROMPT)
     first.type("pick up the cube")
     first.expect(r"Answer +I hold the cube")
     first.type("/approve on")
@@ -184,11 +184,11 @@ def test_a_chat_killed_at_twenty_moments_can_be_taken_up(chat: Callable[..., Pty
     options = ("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", "--thread", "r")
     for number in range(20):
         one = chat(*options)
-        one.expect("you>")
+        one.expect(PROMPT)
         if "was cut off" in one.text:
             one.type("/resume")
             one.expect(r"Answer +")
-            one.expect("you>")
+            one.expect(PROMPT)
         said.append("pick up the cube" if number % 2 == 0 else "put it back")
         one.type(said[-1])
         one.expect(r"Goal +")
@@ -206,10 +206,10 @@ def test_a_chat_killed_at_twenty_moments_can_be_taken_up(chat: Callable[..., Pty
 def test_bad_input_costs_a_line_and_nothing_else(chat: Callable[..., PtyChat]) -> None:
     """A typo names the nearest command; a huge paste, HTML and escape sequences do nothing; a second process is refused."""
     one = chat("--scene", "single_cube", "--seed", "10003", "--perception", "oracle", "--thread", "b")
-    one.expect("you>")
+    one.expect(PROMPT)
     one.type("/wy")
     one.expect('there is no command "/wy"; did you mean /why')
-    one.expect("you>")
+    one.expect(PROMPT)
     one.press("hm")  # what is typed stands in the line: the terminal takes keys one by one again
     one.expect("hm")
     one.press(f"\x1b[200~{'x' * 1_000_000}\x1b[201~")
