@@ -68,9 +68,10 @@ class AnalyticRobot(Robot):
         force_limit: float = FORCE_LIMIT,
         lift: float = FULL_LIFT,
         most_force: float | None = None,
+        creep: float = 0.0,
     ) -> Sensing:
         """As `Robot.grasp`; the outcome follows from the true scene."""
-        del joints, obstacles, shake, most_force
+        del joints, obstacles, shake, most_force, creep
         if self.holding:
             raise BadInputError("the hand already holds something; place or release it first", where="grasp")
         self.world.attempt += 1

@@ -31,6 +31,9 @@ DEEPEST = 0.02
 """Overlap of the pre-grasp with a perceived box that is still tried [m]: boxes are larger than round or stemmed things."""
 OPTIONS, DETOURS = 5, 3
 """Arm configurations compared by their direct way, and by detours if no direct way is free."""
+CREEPING = 0.025
+"""Peak speed of a creeping hand [m/s]: a fingertip that lands on a phone presses with 76 to 81 N at full speed, 35 to 38 at
+0.04 m/s, 23 to 26 at 0.03 and 16 to 23 at 0.02."""
 FULL_CLOSING, SLOWEST_CLOSING = 15.0, 0.3
 """Force from which the fingers close at their full speed [N], and the least share of that speed: a finger that lands at
 full speed on a stem held with 3.6 N presses with up to 6.1 N for 10 ms."""
@@ -118,16 +121,36 @@ def arrive(motion: MotionRun, grasp: Grasp, transit: Transit, force_limit: float
         motion.run(hold(motion.commanded, grasp.aperture, opened / 0.1 + 0.05), "transit")
 
 
-def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float) -> None:
-    """Straight approach with the force reflex; on contact the arm stops, backs off, and the motion ends."""
-    seconds = approach_time(grasp.standoff, grasp.speed)
-    gone = motion.run_guarded(along(reach.approach, seconds), grasp.aperture, "approach", force_limit, back=seconds)
+def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float, creep: float = 0.0) -> None:
+    """Straight approach with the force reflex; on contact the arm stops, backs off, and the motion ends.
+
+    Args:
+        motion: The motion so far.
+        grasp: Stand-off, speed and opening.
+        reach: Joint angles of the approach.
+        force_limit: Wrist force of the reflex [N].
+        creep: Last stretch [m] that the hand goes at `CREEPING`, where it may land on the thing.
+    """
+    samples = approach_samples(grasp, reach, creep)
+    seconds = TIMESTEP * len(samples)
+    gone = motion.run_guarded(samples, grasp.aperture, "approach", force_limit, back=seconds)
     rest = motion.run(hold(reach.joints, grasp.aperture, 0.04), "approach")
     rows = np.concatenate([gone.sensordata, rest.sensordata])
     motion.note(
         approach_force=largest_force(motion.wrist.force(rows)),
         aperture_start=float(motion.reading("robot/opening", rest)[-1, 0]),
     )
+
+
+def approach_samples(grasp: Grasp, reach: Reach, creep: float) -> Array:
+    """Joint samples (T, 7) of the approach; the last `creep` metres of it slowly."""
+    seconds = approach_time(grasp.standoff, grasp.speed)
+    share = 1.0 - creep / grasp.standoff
+    if creep <= 0.0 or share < 0.2:
+        return along(reach.approach, seconds)
+    quick = along(part(reach.approach, 0.0, share), approach_time(grasp.standoff - creep, grasp.speed))
+    slow = along(part(reach.approach, share, 1.0), max(approach_time(creep, 1.0), 15.0 / 8.0 * creep / CREEPING))
+    return np.concatenate([quick, slow])
 
 
 def close(motion: MotionRun, grasp: Grasp, reach: Reach) -> None:

@@ -94,6 +94,7 @@ class Robot:
         force_limit: float = FORCE_LIMIT,
         lift: float = FULL_LIFT,
         most_force: float | None = None,
+        creep: float = 0.0,
     ) -> Sensing:
         """Moves to the grasp, closes, lifts, holds and shakes; a success ends holding the object in the air.
 
@@ -106,6 +107,7 @@ class Robot:
             lift: Height of the lift [m], at least 5 cm; up to 4 cm less where the arm cannot do more.
             most_force: If given, the first two centimetres are a test lift, and what slips is gripped harder, up to
                 this force per finger [N].
+            creep: Last stretch of the approach [m] that is gone slowly, because the hand may land on the thing.
 
         Raises:
             BadInputError: the hand already holds something.
@@ -117,7 +119,7 @@ class Robot:
         try:
             reach, transit = plan(motion, grasp, joints, obstacles, lift)
             arrive(motion, grasp, transit, force_limit)
-            approach(motion, grasp, reach, force_limit)
+            approach(motion, grasp, reach, force_limit, creep)
             close(motion, grasp, reach)
             if lift_up(motion, grasp, reach, most_force):
                 hold_and_shake(motion, reach, shake)

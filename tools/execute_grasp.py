@@ -7,6 +7,7 @@ from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
 from kb.vocabulary import UNKNOWN_CATEGORY
+from sim.hand import TIP_BEYOND_TCP
 from sim.quality import maximum_force
 from tools.context import ToolContext
 from tools.planning.force_choice import force_cap
@@ -15,6 +16,12 @@ from tools.planning.obstacles import obstacles
 
 ABORT_FORCE = 30.0
 """Wrist force at which the reflex stops the hand [N] (benchmark.md section 3)."""
+LANDING = 50.0
+"""Force with which a fingertip lands on a flat thing at full speed, at least [N]."""
+STEEP = 0.7
+"""Cosine to straight down up to which an approach comes from above."""
+LEAST_CREEP, MOST_CREEP, SEEN_EARLY = 0.015, 0.040, 0.008
+"""Limits of the slow stretch, and how much earlier than the perceived upper side it begins [m]."""
 
 
 class ExecuteArgs(Noun):
@@ -53,7 +60,20 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         force_limit=abort_force(target),
         lift=lift_height(args.plan.grasp.position, others),
         most_force=trial_lift_cap(target, args.plan.region),
+        creep=creep(args.plan, target),
     )
+
+
+def creep(plan: Plan, target: PerceivedObject) -> float:
+    """Last stretch of an approach from above [m] that is gone slowly; 0 for what bears a fingertip landing at full speed.
+
+    It begins before the tips reach the upper side of the thing.
+    """
+    grasp, most = plan.grasp, max(target.affordance.fragility, *(target.fragility_range or (0.0,)))
+    if grasp.approach[2] > -STEEP or maximum_force(most) >= LANDING:
+        return 0.0
+    deep = (target.top_z - grasp.position[2] + TIP_BEYOND_TCP) / -grasp.approach[2]
+    return min(MOST_CREEP, max(LEAST_CREEP, deep + SEEN_EARLY))
 
 
 def trial_lift_cap(target: PerceivedObject, region: str = "body") -> float | None:

@@ -12,7 +12,7 @@ from kb.sensing import Sensing
 from sim.hand import FULL_LIFT
 from tests.planning_fixtures import context, cup, percept, solid
 from tools.context import ToolContext
-from tools.execute_grasp import ExecuteArgs, abort_force, execute_grasp
+from tools.execute_grasp import LEAST_CREEP, MOST_CREEP, ExecuteArgs, abort_force, creep, execute_grasp
 from tools.open_world import open_perceiver, open_world
 from tools.perceive import PerceiveArgs, perceive
 from tools.plan_grasp import PlanArgs, plan_grasp
@@ -56,6 +56,18 @@ def test_the_lift_passes_over_tall_neighbours() -> None:
 def test_the_reflex_is_gentler_for_fragile_targets(category: str, limit: float) -> None:
     """The lower of 30 N and half of the damage force 70 (1 - frag), which is never below 5 N (benchmark section 3)."""
     assert abort_force(solid("t", category, 0.5, 0.0)) == pytest.approx(limit)
+
+
+def test_the_last_stretch_onto_fragile_things_is_slow() -> None:
+    """A cup bears 28 N: from above the hand creeps at least 15 mm; a wooden cube bears a landing and is gone for at once."""
+    fragile, sturdy = cup("t", 0.5, 0.1), solid("t", "cube", 0.5, 0.1)
+    plans = [plan_grasp(PlanArgs(percept=percept(thing), target="t"), context()).plan for thing in (fragile, sturdy)]
+    gentle, quick = plans
+    assert gentle is not None
+    assert quick is not None
+    from_above = gentle.model_copy(update={"grasp": gentle.grasp.model_copy(update={"approach": (0.0, 0.0, -1.0)})})
+    assert LEAST_CREEP <= creep(from_above, fragile) <= MOST_CREEP
+    assert creep(quick, sturdy) == 0.0
 
 
 def test_an_unknown_target_is_refused() -> None:

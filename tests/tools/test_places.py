@@ -59,6 +59,17 @@ def test_the_twin_is_told_from_the_target() -> None:
     assert (word.is_other, word.emptied) == (True, (before.objects[0].id,))
 
 
+def test_glass_that_stands_in_bad_light_leaves_no_empty_place() -> None:
+    """At twice the noise hardly a pixel on a glass is measured, and those are seen behind it: that is no empty place."""
+    opened = open_world("phone_near_wine_glass", 13_004, noise=2.0)
+    context = ToolContext(robot=opened.robot, perceiver=RgbdPerceiver(), rng=np.random.default_rng(3))
+    before = perceive(PerceiveArgs(), context)
+    glass = [thing.id for thing in before.objects if thing.transparent]
+    found = places(before.objects, opened.robot.look(context.rng), HELD.lift_height)
+    assert glass
+    assert [found[key] for key in glass] == ["unseen"] * len(glass)
+
+
 def test_what_the_arm_hides_is_unseen() -> None:
     """A sheet half way to the table before every pixel: no place is empty, none occupied, and nothing is doubted."""
     opened, context, before = opened_with(0)

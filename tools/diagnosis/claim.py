@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from kb.constraint import Constraints
 from kb.percept import PerceivedObject
 from kb.sensing import CameraEvidence, Evidence, PlaceEvidence, Plan, Sensing
+from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.quality import maximum_force
 
 CLOSED_EMPTY = 0.0010
@@ -71,7 +72,7 @@ def doubts(plan: Plan, evidence: Evidence, constraints: Constraints, target: Per
     soft = _surprises(plan, sensed, target)
     if evidence.places is not None:
         hard += _places(evidence.places)
-        if evidence.places.is_target:
+        if evidence.places.is_target or _only_the_guess_is_off(plan, evidence.places, sensed, target):
             soft = []
     if camera is not None:
         hard += _seen(camera, put_back=evidence.places is not None)
@@ -124,6 +125,15 @@ def _surprises(plan: Plan, sensed: Sensing, target: PerceivedObject) -> list[str
     if not LIGHT * low <= sensed.load_end <= HEAVY * high:
         found.append(f"{sensed.load_end:.3f} kg are carried where {low:.3f} to {high:.3f} were expected")
     return found
+
+
+def _only_the_guess_is_off(plan: Plan, places: PlaceEvidence, sensed: Sensing, target: PerceivedObject) -> bool:
+    """Whether the weight alone surprises, of a thing whose weight was but guessed from its size.
+
+    The fingers rest where its width said, and a look found no other thing gone: no evidence for another one is no doubt.
+    """
+    as_wide = abs(sensed.aperture_closed - plan.local_width) <= WIDTH_SURPRISE
+    return target.category == UNKNOWN_CATEGORY and as_wide and places.target == "unseen" and not places.emptied
 
 
 def _places(places: PlaceEvidence) -> list[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -49,22 +50,32 @@ def places(objects: Iterable[PerceivedObject], views: Iterable[RgbdView], lift: 
         Perceived id -> place. "unseen" where too little is seen, or neither is clear.
     """
     ready = [calibrate_view(view) for view in views]
-    found: dict[str, Place] = {}
-    for thing in objects:
-        counts = [_counted(thing, view, lift) for view in ready]
-        found[thing.id] = _judged(sum(past for past, _ in counts), sum(met for _, met in counts))
-    return found
+    return {thing.id: _judged([_counted(thing, view, lift) for view in ready]) for thing in objects}
 
 
-def _judged(past: int, met: int) -> Place:
+@dataclass(frozen=True)
+class _Count:
+    """What one picture shows of a thing's former points."""
+
+    past: int = 0
+    """Points that it sees past."""
+    met: int = 0
+    """Points that it still meets."""
+    lost: int = 0
+    """Points of glass without a depth, in a picture whose noise loses glass: no evidence for an empty place."""
+
+
+def _judged(counts: list[_Count]) -> Place:
+    past, met, lost = (sum(getattr(count, name) for count in counts) for name in ("past", "met", "lost"))
     if past + met < ENOUGH:
         return "unseen"
-    share = past / (past + met)
-    return "empty" if share >= EMPTY else "occupied" if share <= OCCUPIED else "unseen"
+    if past <= OCCUPIED * (past + met):
+        return "occupied"
+    return "empty" if past >= EMPTY * (past + met + lost) else "unseen"
 
 
-def _counted(thing: PerceivedObject, view: CalibratedView, lift: float) -> tuple[int, int]:
-    """Former points of a thing that one picture sees past, and those that it still meets."""
+def _counted(thing: PerceivedObject, view: CalibratedView, lift: float) -> _Count:
+    """Former points of a thing in one picture."""
     points, base = thing.surface_points(), thing.base_z
     points = points[(points[:, 2] > base + LOW) & (points[:, 2] < base + LEFT * lift)]
     column, row, depth = view.project(points)
@@ -74,9 +85,12 @@ def _counted(thing: PerceivedObject, view: CalibratedView, lift: float) -> tuple
     points, depth, u, v = points[inside], depth[inside], u[inside], v[inside]
     now = view.depth[v, u].astype(np.float64)
     tolerance, told = _tolerance(points, depth, view, base)
-    seen = told & (now > 0) & (depth - now <= HIDDEN * view.noise)
+    bare = (now > 0) & (depth - now <= HIDDEN * view.noise)
+    seen = told & bare
     past = seen & (now - depth > tolerance)
-    return int(past.sum()), int((seen & ~past).sum())
+    # In bad light hardly a pixel on glass is measured, and those that are lie on what stands behind it.
+    lost = int((now <= 0).sum()) if thing.transparent and view.noise > 1.0 else 0
+    return _Count(int(past.sum()), int((seen & ~past).sum()), lost)
 
 
 def _tolerance(
