@@ -25,6 +25,7 @@ from tools.classify_failure import ClassifyArgs, Diagnosis
 from tools.correct_grasp import CorrectArgs
 from tools.diagnosis.held_look import look_at_places, worth_a_look
 from tools.execute_grasp import ExecuteArgs
+from tools.planning.obstacles import obstacles
 
 Run = Runtime[AgentContext]
 
@@ -85,11 +86,16 @@ def act(state: State, runtime: Run) -> Update:
 
 
 def set_back(state: State, runtime: Run) -> Update:
-    """After a failure something may still hang in the hand: it goes back onto the table before anybody looks."""
+    """After a failure something may still hang in the hand: it goes back onto the table before anybody looks.
+
+    An empty hand drives home: from where it failed, the arm would hide the target from the cameras.
+    """
     context, last, times = runtime.context, state.attempts[-1], dict[str, float]()
     opened = context.world.at(state.world)
-    if not opened.robot.holding or context.stopped:
+    if context.stopped:
         return Update()
+    if not opened.robot.holding:
+        return _out_of_the_picture(state, context, times)
     context.emit(
         events.Action(
             text="I put back what is in my hand.", goal=state.current, tool="place_object", motion=opened.motions + 1
@@ -101,6 +107,17 @@ def set_back(state: State, runtime: Run) -> Update:
         place_object(back, context.tool("place", opened.motions))
         if opened.robot.holding:  # no free place: better let go here than carry it into the next attempt
             opened.robot.release_and_home()
+    return Update(world=context.world.moved(), stale=True, times=times)
+
+
+def _out_of_the_picture(state: State, context: AgentContext, times: dict[str, float]) -> Update:
+    """The empty arm drives home, if it has left home."""
+    if state.attempts[-1].sensing.phase == "plan":
+        return Update()
+    opened = context.world.at(state.world)
+    context.world.moving()
+    with context.timed("execution", times):
+        opened.robot.go_home(obstacles(_before(state)))
     return Update(world=context.world.moved(), stale=True, times=times)
 
 
