@@ -15,12 +15,12 @@ from kb.base import Vec3
 from kb.percept import Part, PerceivedObject, Percept, Shape, pack_surface
 from kb.rgbd import RgbdView
 from kb.vocabulary import ObjectState, PerceptionName
-from sim.placed import Geom, PlacedObject, PlacedScene
+from sim.placed import PlacedObject, PlacedScene
 from tools.perceive import PerceiveArgs
 from tools.perception.colour import colour_name
 from tools.perception.track_ids import track_ids
 from tools.perception.upright_box import UprightBox, box_at, smallest_yaw
-from tools.sample_solids import box_points, hull_points, rotation_of, sphere_points, tube_points
+from tools.sample_object import surface_in_object
 
 Array = NDArray[np.float64]
 K = TypeVar("K")
@@ -61,7 +61,7 @@ class OraclePerceiver:
     def __init__(self, world: TrueWorld, embedder: Embeds | None = None, points: int = POINTS_PER_OBJECT) -> None:
         self._world = world
         self._embedder = embedder
-        self._shapes = {obj.id: _surface_in_object(obj, points) for obj in world.placed.objects if not obj.fixed}
+        self._shapes = {obj.id: surface_in_object(obj, points) for obj in world.placed.objects if not obj.fixed}
         self._boxes: dict[tuple[str, bytes], UprightBox] = {}
         self._seen: dict[bytes, tuple[tuple[RgbdView, ...], list[PerceivedObject]]] = {}
 
@@ -183,81 +183,6 @@ def true_box(obj: PlacedObject, surface_w: Array, rotation: Array) -> UprightBox
         yaw, area = smallest_yaw(surface_w)
         return own if own.size[0] * own.size[1] <= 1.15 * area else box_at(surface_w, yaw)
     return box_at(surface_w, smallest_yaw(surface_w)[0])
-
-
-def _surface_in_object(obj: PlacedObject, points: int) -> Array:
-    """About `points` samples of the union's surface in the object's frame (N, 3), less those inside another piece."""
-    areas = np.array([_area(geom) for geom in obj.geoms])
-    shares = np.maximum(40, (points * areas / areas.sum())).astype(int)
-    clouds: list[Array] = []
-    middles, radii = np.array([geom.position for geom in obj.geoms], float), [_radius(geom) for geom in obj.geoms]
-    for i, (geom, count) in enumerate(zip(obj.geoms, shares, strict=True)):
-        cloud = _sample(geom, int(count)) @ rotation_of(geom.quaternion).T + np.asarray(geom.position)
-        inside = np.zeros(len(cloud), bool)
-        apart = np.linalg.norm(middles - middles[i], axis=1)
-        for j, other in enumerate(obj.geoms):
-            if i != j and apart[j] < radii[i] + radii[j]:
-                inside |= _inside(other, cloud)
-        clouds.append(cloud[~inside])
-    return np.concatenate(clouds)
-
-
-def _area(geom: Geom) -> float:
-    if geom.type == "mesh" and geom.vertices is not None:
-        x, y, z = np.ptp(geom.vertices, axis=0)
-        return float(2 * (x * y + y * z + z * x))
-    s = geom.size
-    if geom.type == "box":
-        return 8 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0])
-    if geom.type in ("cylinder", "capsule"):
-        return 2 * np.pi * s[0] * (2 * s[1] + s[0] * (2 if geom.type == "capsule" else 1))
-    return 4 * np.pi * max(s) ** 2
-
-
-def _radius(geom: Geom) -> float:
-    """Radius of a sphere about a piece's middle that holds it [m]."""
-    s = geom.size
-    if geom.vertices is not None:
-        return float(np.linalg.norm(geom.vertices, axis=1).max())
-    if geom.type == "capsule":
-        return s[0] + s[1]
-    return {"sphere": s[0], "ellipsoid": max(s)}.get(geom.type, float(np.linalg.norm(s)))
-
-
-def _sample(geom: Geom, count: int) -> Array:
-    """Even samples of one piece's surface in its own frame (about `count`, 3)."""
-    if geom.type == "mesh" and geom.vertices is not None:
-        return hull_points(geom.vertices, count)
-    s = geom.size
-    if geom.type == "sphere":
-        return sphere_points(count) * s[0]
-    if geom.type == "ellipsoid":
-        return sphere_points(count) * np.asarray(s)
-    if geom.type == "capsule":
-        balls = sphere_points(count) * s[0]
-        shaft = tube_points(s[0], s[1], count // 2, caps=False)
-        return np.concatenate([balls + np.sign(balls[:, 2:]) * np.array([0, 0, s[1]]), shaft])
-    if geom.type == "cylinder":
-        return tube_points(s[0], s[1], count, caps=True)
-    return box_points(np.asarray(s, float), count)
-
-
-def _inside(geom: Geom, points: Array, slack: float = 1e-6) -> NDArray[np.bool_]:
-    """Which points (N, 3) of the object's frame lie strictly inside a piece."""
-    p = (points - np.asarray(geom.position)) @ rotation_of(geom.quaternion)
-    s = geom.size
-    if geom.type == "box":
-        return np.all(np.abs(p) < np.asarray(s) - slack, axis=1)
-    if geom.type == "sphere":
-        return (p**2).sum(1) < (s[0] - slack) ** 2
-    if geom.type == "ellipsoid":
-        return ((p / np.asarray(s)) ** 2).sum(1) < 1 - 1e-4
-    if geom.type == "cylinder":
-        return (np.hypot(p[:, 0], p[:, 1]) < s[0] - slack) & (np.abs(p[:, 2]) < s[1] - slack)
-    if geom.type == "capsule":
-        beyond = np.maximum(np.abs(p[:, 2]) - s[1], 0)
-        return p[:, 0] ** 2 + p[:, 1] ** 2 + beyond**2 < (s[0] - slack) ** 2
-    return np.zeros(len(points), bool)  # convex mesh pieces only touch one another
 
 
 def _outside_first(surface: Array, box: UprightBox) -> NDArray[np.intp]:
