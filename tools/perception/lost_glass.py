@@ -8,12 +8,12 @@ noise half of the pixels remain, no such hole exists, and nothing is done.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tools.perception.calibrate_view import CalibratedView
+from tools.perception.connected import connected
 from tools.perception.filter_depth import box_sum
 from tools.perception.table_plane import TABLE_LOWER, TABLE_UPPER
 
@@ -87,15 +87,15 @@ def hole_mask(view: CalibratedView) -> Mask:
 
 def _parts(mask: Mask, least: int) -> list[Mask]:
     """Connected parts of a mask with at least so many pixels, largest first."""
-    from scipy import ndimage  # pyright: ignore[reportMissingTypeStubs]
-
-    name_parts: Any = ndimage.label  # pyright: ignore[reportUnknownMemberType]
-    got: tuple[NDArray[np.intp], int] = name_parts(mask)
-    label = got[0]
-    count = int(got[1])
-    sizes = np.bincount(label.reshape(-1), minlength=count + 1)[1:]
-    order = sorted(range(count), key=lambda k: (-int(sizes[k]), k))
-    return [label == k + 1 for k in order if sizes[k] >= least]
+    number = np.full(mask.shape, -1)
+    number[mask] = np.arange(int(mask.sum()))
+    beside, below = mask[:, 1:] & mask[:, :-1], mask[1:] & mask[:-1]
+    first = np.concatenate([number[:, :-1][beside], number[:-1][below]])
+    second = np.concatenate([number[:, 1:][beside], number[1:][below]])
+    label = np.full(mask.shape, -1)
+    label[mask] = connected(int(mask.sum()), first, second)
+    sizes = np.bincount(label[mask])
+    return [label == k for k in sorted(range(len(sizes)), key=lambda k: (-int(sizes[k]), k)) if sizes[k] >= least]
 
 
 def fit_upright(hole: Mask, front: CalibratedView, above: Mask, top: CalibratedView) -> Upright | None:
