@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import statistics
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -296,7 +297,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     lines: list[Line] = []
     for name in names:
         lines += SECTIONS[name](counts.get(name, 0))
-    print(table(lines))
+    sys.stdout.write(table(lines) + "\n")
     return int(any(line.kept is False for line in lines))
 
 

@@ -217,10 +217,10 @@ def main() -> None:
             continue
         scene, hull = write_scene(source, fetch(source.package, args.cache), args.out / "scenes")
         outcomes.append(run(source, scene, hull, range(args.seed, args.seed + args.trials)))
-        print(outcomes[-1], flush=True)
+        sys.stdout.write(f"{outcomes[-1]}\n")
     (args.out / "table.md").write_text(table(outcomes), encoding="utf-8")
     (args.out / "outcomes.json").write_text(json.dumps([asdict(item) for item in outcomes], indent=1), encoding="utf-8")
-    print(table(outcomes))
+    sys.stdout.write(table(outcomes) + "\n")
 
 
 if __name__ == "__main__":
