@@ -13,6 +13,8 @@ MAX_EXTRA_ACTIONS = 3
 """Removals of other objects per instruction, outside the retry budget (ledger G52)."""
 MAX_RELOOKS = 1
 """Further looks when planning finds no grasp: the next picture has other noise."""
+PLAN_LOOKS = 3
+"""The same for a thing whose seen shape offers no grasp: one millimetre decides about an apple as wide as the hand opens."""
 BRITTLE = 0.5
 """Things at least this fragile are not tried again once they have fallen over (benchmark section 3: toppling damages)."""
 

@@ -7,7 +7,7 @@ from typing import Literal
 from langgraph.runtime import Runtime
 
 from agent.context import AgentContext
-from agent.ladder import MAX_RELOOKS
+from agent.ladder import PLAN_LOOKS
 from agent.state import State
 
 Run = Runtime[AgentContext]
@@ -75,10 +75,10 @@ def after_constrain(state: State) -> Literal["remove_first", "plan"]:
 
 
 def after_plan(state: State) -> Literal["think", "look_once_more", "give_up"]:
-    """Without a grasp another look may help, once."""
+    """Without a grasp another look may help: in bad light the next width may be one that the hand can span."""
     if state.plan is not None:
         return "think"
-    return "look_once_more" if state.relooks < MAX_RELOOKS else "give_up"
+    return "look_once_more" if state.relooks < PLAN_LOOKS else "give_up"
 
 
 def after_think(state: State, runtime: Run) -> Literal["act", "approve", "rehearse", "look", "ground", "answer"]:

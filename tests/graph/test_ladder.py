@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -51,6 +52,30 @@ def test_a_failure_is_retried_after_another_look(monkeypatch: pytest.MonkeyPatch
     assert [a.level for a in result.goals[0].attempts] == [0, 1]
     assert result.goals[0].attempts[1].correction is not None
     assert kinds.index("reflection") > kinds.index("look", kinds.index("action"))
+
+
+def test_the_arm_is_out_of_the_picture_when_a_failure_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A miss that leaves the arm stretched out over the table: at the look after it the tool point is back within 1 cm."""
+    points: list[tuple[float, float, float]] = []
+    real_grasp, real_look = motions.execute_grasp, motions.look
+
+    def grasp(args: Any, context: Any) -> Sensing:
+        if points:
+            return real_grasp(args, context)
+        points.append(context.robot.tool_point)
+        context.robot.handover()
+        assert math.dist(points[0], context.robot.tool_point) > 0.05
+        return NOTHING
+
+    def look(state: Any, runtime: Any) -> Any:
+        points.append(runtime.context.world.at(state.world).robot.tool_point)
+        return real_look(state, runtime)
+
+    monkeypatch.setattr(motions, "execute_grasp", grasp)
+    monkeypatch.setattr(motions, "look", look)
+    result = build_agent("single_cube", 10_001, perception="oracle").run("pick up the cube")
+    assert result.success
+    assert math.dist(points[0], points[1]) < 0.01
 
 
 @pytest.mark.parametrize(("configuration", "attempts"), [("full", 4), ("no_recovery", 1), ("blind_retry", 4)])
