@@ -130,6 +130,7 @@ class Turns:
             self._note()
             if self.stopped:
                 yield Stopped(text="I am stopped and hold still; nothing moves until you release me (/release).")
+            _give_back()
             yield Finished(text=result.answer, result=result)
         except RagVlmError as error:
             yield refused(error)
@@ -153,6 +154,19 @@ class Turns:
             write_card(self.folder, card)
         except OSError:
             return
+
+
+def _give_back() -> None:
+    """Returns to the system what a turn's pictures and physics took and do not need any more (3 ms).
+
+    Each turn runs in threads of its own; the C library (glibc; elsewhere this does nothing) would keep an arena for each,
+    and the process would seem to grow by a tenth from one turn to the next.
+    """
+    import ctypes
+
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
 
 
 def refused(error: RagVlmError) -> BaseStep:
