@@ -194,6 +194,35 @@ class PageChat:
         self.process.stdout.close()
 
 
+class Browser:
+    """A page in Chromium if playwright and Chromium are there, else only the page's channel."""
+
+    def __init__(self, address: str) -> None:
+        self._address, self._player, self._opened = address, None, None
+
+    def __enter__(self) -> str:
+        import shutil
+        from importlib.util import find_spec
+
+        found = shutil.which("chromium") or shutil.which("chromium-browser")
+        if found is None or find_spec("playwright") is None:
+            return "its channel only: no Chromium here"
+        from playwright.sync_api import sync_playwright
+
+        self._player: Any = sync_playwright().start()
+        arguments = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        self._opened: Any = self._player.chromium.launch(executable_path=found, args=arguments)
+        page = self._opened.new_page(viewport={"width": 1280, "height": 720})
+        page.goto(self._address)
+        page.wait_for_selector("#state:has-text('ready')", timeout=60_000)
+        return "Chromium"
+
+    def __exit__(self, *_: object) -> None:
+        if self._opened is not None:
+            self._opened.close()
+            self._player.stop()
+
+
 def cpu_seconds(pid: int) -> float:
     """CPU time that a process has used, all its threads [s] (proc(5): fields 14 and 15 of /proc/PID/stat)."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()

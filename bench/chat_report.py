@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.chat_faces import PROMPT, PageChat, PtyChat, cpu_seconds, resident_mb
+from bench.chat_faces import PROMPT, Browser, PageChat, PtyChat, cpu_seconds, resident_mb
 from kb.errors import BadInputError
 
 SCENE = ("--scene", "single_cube", "--seed", "10001")
@@ -209,7 +209,7 @@ def idle(_count: int) -> list[Line]:
     with tempfile.TemporaryDirectory() as home:
         page = PageChat(Path(home), *SCENE)
         try:
-            with _browser(page.address) as name:
+            with Browser(page.address) as name:
                 page.idle(5.0)
                 before, at = cpu_seconds(page.process.pid), time.monotonic()
                 page.idle(IDLE_S)
@@ -217,35 +217,6 @@ def idle(_count: int) -> list[Line]:
         finally:
             page.close()
     return [Line(f"idle server with one page open ({name})", f"{share:.1%} of a core", "at most 20 %", share <= 0.2)]
-
-
-class _browser:
-    """A page in Chromium if playwright and Chromium are there, else only the page's channel."""
-
-    def __init__(self, address: str) -> None:
-        self._address, self._player, self._opened = address, None, None
-
-    def __enter__(self) -> str:
-        import shutil
-        from importlib.util import find_spec
-
-        found = shutil.which("chromium") or shutil.which("chromium-browser")
-        if found is None or find_spec("playwright") is None:
-            return "its channel only: no Chromium here"
-        from playwright.sync_api import sync_playwright
-
-        self._player: Any = sync_playwright().start()
-        arguments = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        self._opened: Any = self._player.chromium.launch(executable_path=found, args=arguments)
-        page = self._opened.new_page(viewport={"width": 1280, "height": 720})
-        page.goto(self._address)
-        page.wait_for_selector("#state:has-text('ready')", timeout=60_000)
-        return "Chromium"
-
-    def __exit__(self, *_: object) -> None:
-        if self._opened is not None:
-            self._opened.close()
-            self._player.stop()
 
 
 def memory(commands: int) -> list[Line]:
