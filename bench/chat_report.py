@@ -73,14 +73,8 @@ def stop_page(stops: int) -> list[Line]:
 
 def _stop_page_once(page: PageChat, wait: float) -> float | None:
     """Milliseconds, or None where nothing was moving at that moment."""
-    page.order(type="say", text="pick up the cube")
-    began = page.expect(
-        lambda m: m["type"] == "entry" and m["entry"]["kind"] in ("action", "finished", "answer", "refused")
-    )
-    if began["entry"]["kind"] != "action":  # it is in the hand already
-        _ready(page)
-        page.order(type="say", text="put it back")
-        page.expect(lambda m: m["type"] == "entry" and m["entry"]["kind"] in ("action", "answer"))
+    if not _moves(page, "pick up the cube"):  # it is in the hand already
+        _moves(page, "put it back")
     page.idle(wait)
     at = time.time()
     page.order(type="stop")
@@ -96,6 +90,20 @@ def _stop_page_once(page: PageChat, wait: float) -> float | None:
     page.order(type="release")
     page.expect(lambda m: m["type"] == "status" and not m["status"]["stopped"])
     return None if halted is None or halted < at else (halted - at) * 1000
+
+
+def _moves(page: PageChat, words: str) -> bool:
+    """Says something; whether a motion began before the turn was over."""
+    page.order(type="say", text=words)
+    at_work = False
+
+    def told(message: dict[str, Any]) -> bool:
+        nonlocal at_work
+        busy = message["status"]["busy"] if message["type"] == "status" else at_work
+        over, at_work = at_work and not busy, busy
+        return over or (message["type"] == "entry" and message["entry"]["kind"] == "action")
+
+    return page.expect(told)["type"] == "entry"
 
 
 def _ready(page: PageChat) -> None:
