@@ -1,7 +1,8 @@
 """A chat with a vision-language model in this process, over transformers: any folder that `AutoModelForImageTextToText` loads.
 
 `hf_model` loads it. What every prompt of a role begins with is computed once (`prefix_cache`). Decoding is greedy and
-bound to the reply's JSON schema by xgrammar, so that every reply is valid. Nothing is downloaded unless the name is no
+bound to the reply's JSON schema by xgrammar, so that every reply is valid; `stream` gives the same reply piece by piece.
+Nothing is downloaded unless the name is no
 folder and the machine may reach a hub.
 """
 
@@ -9,8 +10,9 @@ from __future__ import annotations
 
 import io
 import json
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
@@ -18,6 +20,7 @@ from typing import Any
 from agent.brain import BrainFaultError
 from agent.brains.chat import Message, Prompt, Reply
 from agent.brains.hf_model import MEND, NEEDED, Cache, HfCfg, Prefix, load
+from agent.brains.pieces import Growing, pieces
 from agent.brains.prefix_cache import PrefixCache, forget_pictures
 from kb.errors import EnvironmentFaultError
 
@@ -83,6 +86,7 @@ class HfChat:
         self._prefixes = PrefixCache(model, self._tokens, self._new_cache) if prefix == "on" and supported else None
         self.pace = Pace()
         """Of the last reply."""
+        self._one_at_a_time = threading.Lock()
 
     def reply(self, prompt: Prompt) -> Reply:
         """The model's reply, valid by its schema unless time or the person ends it.
@@ -90,24 +94,50 @@ class HfChat:
         Raises:
             BrainFaultError: the time is over, the person has stopped, or the device has no memory left.
         """
+        return self._made(prompt, lambda _piece: None, lambda: False)
+
+    def stream(self, prompt: Prompt) -> Generator[str, None, Reply]:
+        """The same reply piece by piece, while it is made; what the pieces join to is the text of the generator's value.
+
+        Closing the generator ends the reply.
+
+        Raises:
+            BrainFaultError: as `reply`; the pieces until then are no reply.
+        """
+        return (yield from pieces(lambda tell, left: self._made(prompt, tell, left)))
+
+    def _made(self, prompt: Prompt, tell: Callable[[str], None], left: Callable[[], bool]) -> Reply:
+        """The reply; `tell` takes its pieces, `left` says that nobody wants further ones."""
         import torch  # pyright: ignore[reportMissingImports]
 
-        end = self._clock() + prompt.seconds
-        inputs = self._inputs(prompt)
-        pace = self.pace = Pace(prompt_tokens=int(inputs["input_ids"].shape[1]), started=self._clock())
-        try:
-            with torch.inference_mode():
-                begun = self._begun(prompt, inputs["input_ids"], pace)
-                output = self._model.generate(**inputs, **begun, **self._settings(prompt, pace, end))
-        except torch.OutOfMemoryError as error:
-            raise BrainFaultError("the device has no memory left for this prompt") from error
-        pace.total_s = self._clock() - pace.started
+        end, growing = self._clock() + prompt.seconds, Growing(tell)
+        with self._one_at_a_time:
+            inputs = self._inputs(prompt)
+            pace = self.pace = Pace(prompt_tokens=int(inputs["input_ids"].shape[1]), started=self._clock())
+
+            def watch(tokens: Any) -> bool:
+                growing.grown(self._text(tokens[pace.prompt_tokens :]))
+                return left()
+
+            try:
+                with torch.inference_mode():
+                    begun = self._begun(prompt, inputs["input_ids"], pace)
+                    output = self._model.generate(**inputs, **begun, **self._settings(prompt, pace, end, watch))
+            except torch.OutOfMemoryError as error:
+                raise BrainFaultError("the device has no memory left for this prompt") from error
+            pace.total_s = self._clock() - pace.started
         if self._stopped():
             raise BrainFaultError("stopped by the person")
         if self._clock() > end:
             raise BrainFaultError(f"{self.name} is too slow: no whole reply within {prompt.seconds:.0f} s")
         tokens = output[0][pace.prompt_tokens :]
-        return Reply(self._processor.decode(tokens, skip_special_tokens=True), pace.prompt_tokens, len(tokens))
+        text = self._text(tokens)
+        growing.grown(text, whole=True)
+        return Reply(text, pace.prompt_tokens, len(tokens))
+
+    def _text(self, tokens: Any) -> str:
+        """Tokens as text. Nothing is tidied, so that the text of the first tokens stands at the beginning of the whole."""
+        return self._processor.decode(tokens, skip_special_tokens=True, clean_up_tokenization_spaces=False)
 
     def _begun(self, prompt: Prompt, input_ids: Any, pace: Pace) -> dict[str, Any]:
         """The key-value cache to start from, with the beginning in it that prompts share."""
@@ -146,8 +176,8 @@ class HfChat:
         views = [{"type": "image", "image": Image.open(io.BytesIO(picture)).convert("RGB")} for picture in shown]
         return [*views, {"type": "text", "text": text}]
 
-    def _settings(self, prompt: Prompt, pace: Pace, end: float) -> dict[str, Any]:
-        """What `generate` is told: greedy, bound to the schema, stoppable."""
+    def _settings(self, prompt: Prompt, pace: Pace, end: float, watch: Callable[[Any], bool]) -> dict[str, Any]:
+        """What `generate` is told: greedy, bound to the schema, stoppable; `watch` sees all tokens and may end it."""
         from transformers import StoppingCriteria, StoppingCriteriaList  # pyright: ignore[reportMissingImports]
         from xgrammar.contrib.hf import LogitsProcessor  # pyright: ignore[reportMissingImports]
 
@@ -163,7 +193,7 @@ class HfChat:
                 now = chat._clock()
                 if pace.tokens == 1:
                     pace.first_token_s = now - pace.started
-                over = now > end or chat._stopped()
+                over = watch(input_ids[0]) or now > end or chat._stopped()
                 return torch.full((input_ids.shape[0],), over, dtype=torch.bool, device=input_ids.device)
 
         settings: dict[str, Any] = {
