@@ -110,15 +110,66 @@ def watched_logits(chat: Any) -> list[Any]:
 
 
 def test_nf4_leaves_the_vision_tower_in_16_bit(folder: Path) -> None:
-    """Linear layers of the language model are 4-bit, none of the vision tower is."""
+    """Every linear layer of the language model is NF4; the vision tower and the head are BF16 throughout."""
+    import torch
     from bitsandbytes.nn import Linear4bit
 
     from agent.brains.hf_model import HfCfg, load
 
     model, _ = load(HfCfg(str(folder), weights="nf4", device="cpu"))
     quantised = [name for name, module in model.named_modules() if isinstance(module, Linear4bit)]
-    assert any("language_model" in name for name in quantised)
     assert not any("visual" in name or "lm_head" in name for name in quantised)
+    linear = [
+        (name, m) for name, m in model.named_modules() if isinstance(m, torch.nn.Linear) and "language_model" in name
+    ]
+    assert len(linear) >= 14  # seven a layer
+    assert all(name in quantised and layer.weight.quant_type == "nf4" for name, layer in linear)
+    kept = [value.dtype for name, value in model.named_parameters() if "visual" in name or "lm_head" in name]
+    assert len(kept) > 20
+    assert set(kept) == {torch.bfloat16}
+
+
+@pytest.mark.parametrize(("cache", "kept"), [("bf16", "bfloat16"), ("fp8", "float8_e4m3fn")])
+def test_the_cache_has_the_type_that_was_chosen(folder: Path, cache: str, kept: str) -> None:
+    """Keys and values of every layer are held in that type; as many as there are tokens."""
+    import torch
+
+    from agent.brains.chat import Message, Prompt
+    from agent.brains.hf_chat import open_hf_chat
+
+    chat = open_hf_chat(f"{folder}?weights=bf16&cache={cache}&prefix=off")
+    caches: list[Any] = []
+    new = chat._new_cache
+    chat._new_cache = lambda: caches.append(new()) or caches[-1]  # type: ignore[method-assign]
+    reply = chat.reply(Prompt("x", (Message("user", "See?", (picture(1),)),), {}, 6, 300.0))
+    (used,) = caches
+    assert used.get_seq_length() == reply.prompt_tokens + reply.completion_tokens - 1
+    for layer in used.layers:
+        # The FP8 layer holds each with its scale, the plain one bare.
+        values = [v[0] if isinstance(v, tuple) else v for v in vars(layer).values()]
+        held = [v for v in values if isinstance(v, torch.Tensor) and v.dim() == 4 and v.numel()]
+        assert [tensor.dtype for tensor in held] == [getattr(torch, kept)] * 2
+        assert all(tensor.shape[-2] == used.get_seq_length() for tensor in held)
+
+
+def test_all_views_of_a_look_go_in_as_one_batch(folder: Path) -> None:
+    """Four pictures in one prompt pass the vision tower in one call, and each of them counts, its place included."""
+    from agent.brains.chat import Message, Prompt
+    from agent.brains.hf_chat import open_hf_chat
+
+    chat = open_hf_chat(f"{folder}?weights=fp32")
+    felt, grids = watched_logits(chat), list[Any]()
+    chat._model.model.visual.register_forward_pre_hook(
+        lambda _module, args, named: grids.append(named["grid_thw"] if "grid_thw" in named else args[1]),
+        with_kwargs=True,
+    )
+    views = tuple(picture(number) for number in range(4))
+    orders = (views, views[::-1], *((*views[:n], picture(9), *views[n + 1 :]) for n in range(4)), views)
+    for shown in orders:
+        chat.reply(Prompt("x", (Message("user", "See?", shown),), {}, 1, 300.0))
+    assert [tuple(grid.shape) for grid in grids] == [(4, 3)] * len(orders)
+    assert (felt[0] == felt[-1]).all()
+    assert all(abs(logits - felt[0]).max() > 1e-4 for logits in felt[1:-1])
 
 
 def test_a_time_limit_and_a_stop_end_the_reply(folder: Path) -> None:

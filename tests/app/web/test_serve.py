@@ -67,6 +67,22 @@ def test_help_does_not_load_the_page() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False, timeout=60).returncode == 0
 
 
+def test_the_page_has_the_options_of_a_conversation(monkeypatch: Any) -> None:
+    """What a language model is sent, and where its replies are kept, is chosen as for `run` and `chat`."""
+    given: list[Any] = []
+
+    def serving(options: Any, **_: Any) -> int:
+        given.append(options)
+        return 0
+
+    monkeypatch.setattr("app.web.serve.serve", serving)
+    model = ["--brain", "openai:m", "--base-url", "http://127.0.0.1:1/v1"]
+    assert run_command_line(["serve", *model, "--record-brain", "replies.jsonl", "--no-brain-pictures"]) == 0
+    assert (given[0].record_brain, given[0].brain_pictures) == ("replies.jsonl", False)
+    assert run_command_line(["serve", *model]) == 0
+    assert (given[1].record_brain, given[1].brain_pictures) == (None, True)
+
+
 def test_an_added_object_is_a_scene_of_its_own(tmp_path: Any, monkeypatch: Any) -> None:
     """Adding writes a scene file that holds all there was and the new object; unknown models and bad places are refused."""
     from sim.draw_scene import draw_scene
