@@ -12,7 +12,6 @@ moves first puts it where the state says (`agent.world_handle`).
 
 from __future__ import annotations
 
-import copy
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -142,12 +141,12 @@ class SharedWalk:
                 step = next((step for step in known if _agree(step.reads, real)), None)
                 if step is None:
                     watched.reads = {}
-                    step = _take(graph, name, state, runtime, watched)
+                    step, state = _take(graph, name, state, runtime, watched)
                     known.append(step)
                 else:
                     credit(step.seconds)
                     self.shared += 1
-                state = _reduced(graph, state, step.update)
+                    state = _reduced(graph, state, step.update)
                 if step.goes_to == END:
                     return state
                 known, name = step.after, step.goes_to
@@ -160,23 +159,25 @@ def _agree(reads: Reads, switches: Switches) -> bool:
     return all(getattr(switches, name) == value for name, value in reads.items())
 
 
-def _take(graph: Wiring, name: str, state: State, runtime: Any, watched: WatchedSwitches) -> Step:
-    """Runs a node and the decision after it."""
+def _take(graph: Wiring, name: str, state: State, runtime: Any, watched: WatchedSwitches) -> tuple[Step, State]:
+    """Runs a node and the decision after it; the state is the one after the node."""
     clock = runtime.context.clock
     start = clock()
     update = graph.nodes[name](state, runtime) or {}
+    after = _reduced(graph, state, update)
     if name in graph.edges:
         goes_to = graph.edges[name]
     else:
         decide, ends = graph.branches[name]
-        word = decide(_reduced(graph, state, update), runtime)
+        word = decide(after, runtime)
         goes_to = ends.get(str(word), str(word))
-    return Step(watched.reads, update, goes_to, clock() - start)
+    return Step(watched.reads, update, goes_to, clock() - start), after
 
 
 def _reduced(graph: Wiring, state: State, update: Any) -> State:
     """The state with an update, by the reducers of its fields."""
-    changed = copy.copy(state)
+    changed = State.__new__(State)
+    vars(changed).update(vars(state))
     for name, value in update.items():
         reducer = graph.reducers.get(name)
         setattr(changed, name, value if reducer is None else reducer(getattr(state, name), value))

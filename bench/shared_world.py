@@ -25,12 +25,13 @@ import numpy as np
 from kb.percept import Percept
 from kb.rgbd import RgbdView
 from kb.sensing import Sensing
-from tools.open_world import OpenedWorld
+from tools.open_world import OpenedWorld, packed
 
 Views = tuple[RgbdView, ...]
 
 MOTIONS = ("grasp", "place", "release_and_home", "go_home", "handover")
 """Methods of the robot that move it."""
+NAMED = b"moment of a shared world: "
 START = b"start"
 """History of the world as it was opened."""
 
@@ -57,6 +58,8 @@ class SharedWorld(OpenedWorld):
         shared._history = START
         shared._snapshots = {}
         shared._histories = {}
+        shared._moments = {}
+        shared._physics = {}
         shared._motions = {}
         shared._views = {}
         shared._pictures = {}
@@ -73,6 +76,9 @@ class SharedWorld(OpenedWorld):
     """What the world has gone through; None if that is not known, and then nothing is shared."""
     _snapshots: dict[bytes, bytes]
     _histories: dict[bytes, bytes]
+    _moments: dict[bytes, tuple[bytes, int, bytes, Any]]
+    """Name of a moment of the analytic evaluator -> history, motions, physical state, and what the observer knows."""
+    _physics: dict[bytes, bytes]
     _motions: dict[bytes, _Moved]
     _views: dict[bytes, tuple[Views, float]]
     _pictures: dict[int, bytes]
@@ -108,15 +114,41 @@ class SharedWorld(OpenedWorld):
         if self._history is None:
             return super().snapshot()
         if self._history not in self._snapshots:
-            blob = super().snapshot()
-            self._snapshots[self._history] = blob
-            self._histories[_digest(blob)] = self._history
+            self._snapshots[self._history] = self._named() if self.evaluator == "analytic" else self._written()
         return self._snapshots[self._history]
+
+    def _written(self) -> bytes:
+        blob = super().snapshot()
+        self._histories[_digest(blob)] = self._history or START
+        return blob
+
+    def _named(self) -> bytes:
+        """A name that stands for this moment within this world: writing and packing all of it takes longer than a motion."""
+        assert self._history is not None
+        name = NAMED + self._history
+        self._moments[name] = self._history, self.motions, self.world.snapshot(), self.observer.kept()
+        return name
 
     def restore(self, blob: bytes) -> None:
         """As `OpenedWorld.restore`."""
-        super().restore(blob)
-        self._history = self._histories.get(_digest(blob))
+        moment = self._moments.get(blob)
+        if moment is None:
+            super().restore(blob)
+            self._history = self._histories.get(_digest(blob))
+            return
+        history, motions, physics, known = moment
+        self.world.restore(physics)
+        self.world.attempt = motions
+        self.observer.recall(known)
+        self._history = history
+
+    def physics_of(self, blob: bytes) -> bytes:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """As `OpenedWorld.physics_of`."""
+        if blob not in self._physics:
+            self._physics[blob] = (
+                OpenedWorld.physics_of(blob) if blob not in self._moments else packed(*self._moments[blob][1:3])
+            )
+        return self._physics[blob]
 
     # What is shared ------------------------------------------------------------------------------------------------
 
@@ -129,7 +161,7 @@ class SharedWorld(OpenedWorld):
         history = _digest(self._history, name.encode(), pickle.dumps((args, kwargs)))
         known = self._motions.get(history)
         if known is not None:
-            super().restore(known.after)
+            self.restore(known.after)
             self._history = history
             self._saved += known.seconds
             self.shared_motions += 1

@@ -6,6 +6,7 @@ Frame: the world frame, which is the robot's base frame (x to the front, y to th
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -53,11 +54,16 @@ class Grasp(Noun):
 
     def rotation(self) -> NDArray[np.float64]:
         """Rotation hand-to-world, shape (3, 3): columns x (across the fingers), y (closing axis), z (approach)."""
-        z = _unit(self.approach)
-        y = self.closing_axis()
-        (y0, y1, y2), (z0, z1, z2) = y.tolist(), z.tolist()
-        # The cross product y x z, written out: numpy's own costs more than everything else here.
-        return np.array([[y1 * z2 - y2 * z1, y0, z0], [y2 * z0 - y0 * z2, y1, z1], [y0 * z1 - y1 * z0, y2, z2]])
+        return _rotation(self.approach, self.yaw).copy()
+
+
+@lru_cache(maxsize=256)
+def _rotation(approach: Vec3, yaw: float) -> NDArray[np.float64]:
+    """`Grasp.rotation`; planning, execution and diagnosis ask for the same few over and over."""
+    y, z = closing_axis(approach, yaw), _unit(approach)
+    (y0, y1, y2), (z0, z1, z2) = y.tolist(), z.tolist()
+    # The cross product y x z, written out: numpy's own costs more than everything else here.
+    return np.array([[y1 * z2 - y2 * z1, y0, z0], [y2 * z0 - y0 * z2, y1, z1], [y0 * z1 - y1 * z0, y2, z2]])
 
 
 def closing_axis(approach: Vec3 | NDArray[np.float64], yaw: float) -> NDArray[np.float64]:

@@ -180,6 +180,14 @@ class AnalyticObserver(Observer):
             }
         ).encode()
 
+    def kept(self) -> tuple[Any, ...]:
+        """All that was recorded, as values that nobody changes: for `recall` in this process."""
+        return dict(self.start), dict(self._meant), dict(self._poses), dict(self._outcomes)
+
+    def recall(self, known: tuple[Any, ...]) -> None:
+        """Puts back what `kept` returned."""
+        self.start, self._meant, self._poses, self._outcomes = (dict(part) for part in known)
+
     def load(self, blob: bytes) -> None:
         """Puts back what `state` returned."""
         kept = json.loads(blob)

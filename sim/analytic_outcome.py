@@ -19,7 +19,7 @@ from kb.grasp import Grasp, Quality
 from kb.vocabulary import FailureType
 from sim.footprint import geom_points
 from sim.hand import ROUNDING, hand_boxes, swept_distances, swept_least
-from sim.local_width import local_width, region_distance
+from sim.local_width import local_width, near_pads, region_distance
 from sim.placed import Geom, PlacedObject
 from sim.pose import Array, point_in_body, rotation_of
 from sim.quality import REACH_ERROR, Circumstances, Subject, failure_of, grade
@@ -76,7 +76,7 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
         return Outcome(gripped=None, failure="UNREACHABLE_POSE", **base)
     movable = [thing for thing in world.placed.objects if not thing.fixed]
     mujoco.mj_kinematics(world.model, world.data)
-    widths = {thing.id: _width(world, thing, grasp) for thing in movable}
+    widths = _widths(world, movable, grasp)
     between = [thing for thing in movable if widths[thing.id] > 0.0]
     thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
     if thing is None:
@@ -195,6 +195,17 @@ def _filled(corners: Array) -> Array:
     shares = np.array([0.2, 0.4, 0.6, 0.8])[:, None, None]
     between = (1 - shares) * corners[first] + shares * corners[second]
     return np.vstack([corners, between.reshape(-1, 3)])
+
+
+def _widths(world: World, things: list[PlacedObject], grasp: Grasp) -> dict[str, float]:
+    """Width of each object between the pads [m]; only what comes near them is cut with lines."""
+    geoms = [world.index.objects[thing.id].geoms for thing in things]
+    flat = [geom for some in geoms for geom in some]
+    if not flat:
+        return {thing.id: 0.0 for thing in things}
+    near = iter(near_pads(world.model, cast(Any, world.data), flat, np.asarray(grasp.position), grasp.aperture))
+    met = [any([next(near) for _ in some]) for some in geoms]
+    return {thing.id: _width(world, thing, grasp) if keep else 0.0 for thing, keep in zip(things, met, strict=True)}
 
 
 def _width(world: World, thing: PlacedObject, grasp: Grasp) -> float:

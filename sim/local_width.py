@@ -43,7 +43,8 @@ def local_width(
         opening: Distance between the pads [m].
     """
     low, high = np.inf, -np.inf
-    geoms = _near(model, data, geoms, np.asarray(position, float), opening)
+    near = near_pads(model, data, geoms, np.asarray(position, float), opening)
+    geoms = [geom for geom, keep in zip(geoms, near, strict=True) if keep]
     if not geoms:
         return 0.0
     axis = np.ascontiguousarray(rotation[:, 1])
@@ -59,14 +60,14 @@ def local_width(
     return float(max(0.0, high - low)) if high > low else 0.0
 
 
-def _near(
+def near_pads(
     model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int], position: Array, opening: float
-) -> list[int]:
-    """Those geoms whose bounding sphere comes between the pads; the others cannot lie there."""
+) -> list[bool]:
+    """Which geoms' bounding spheres come between the pads; the others cannot lie there."""
     reach = np.hypot(opening / 2, np.hypot(PAD_HALF[-1], PAD_HALF[-1])) + 1e-6
     radii = model.geom_rbound[list(geoms)]
     away = np.linalg.norm(data.geom_xpos[list(geoms)] - position, axis=1)
-    return [geom for geom, keep in zip(geoms, (radii <= 0.0) | (away <= radii + reach), strict=True) if keep]
+    return ((radii <= 0.0) | (away <= radii + reach)).tolist()
 
 
 def _met(

@@ -20,6 +20,7 @@ import math
 from typing import TYPE_CHECKING
 
 from kb.base import Noun
+from kb.by_identity import ByIdentity
 from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.scene_graph import SceneEdge, SceneGraph, SceneNode
@@ -62,7 +63,20 @@ def build_scene_graph(args: SceneGraphArgs, context: ToolContext) -> SceneGraph:
     ids = [obj.id for obj in args.percept.objects]
     if args.target is not None and args.target not in ids:
         raise BadInputError(f"there is no object {args.target!r} in the percept", choices=ids)
-    graph = relation_graph(args.percept, args.target, by_centre=context.switches.distance == "centre")
+    by_centre = context.switches.distance == "centre"
+    return _graphs.get(
+        args.percept.objects, (args.target, by_centre), lambda: _scene_graph(args.percept, args.target, by_centre)
+    )
+
+
+KEPT = 32
+"""Looks whose relations are kept: the configurations of a trial see the very same objects, and each target asks anew."""
+_graphs: ByIdentity[SceneGraph] = ByIdentity(KEPT)
+_pairs: ByIdentity[nx.MultiDiGraph[str]] = ByIdentity(KEPT)
+
+
+def _scene_graph(percept: Percept, target: str | None, by_centre: bool) -> SceneGraph:
+    graph = relation_graph(percept, target, by_centre=by_centre)
     nodes = tuple(graph.nodes[name]["node"] for name in sorted(graph.nodes))
     edges = [
         SceneEdge(source=source, relation=relation, target=target, gap=data["gap"])
@@ -73,11 +87,22 @@ def build_scene_graph(args: SceneGraphArgs, context: ToolContext) -> SceneGraph:
 
 def relation_graph(percept: Percept, target: str | None = None, *, by_centre: bool = False) -> nx.MultiDiGraph[str]:
     """The same as a networkx graph: nodes carry "node", edges are keyed by relation and carry "gap" [m]."""
+    objects = sorted(percept.objects, key=lambda obj: obj.id)
+    solids = {obj.id: solid_of(obj) for obj in objects}
+    # What does not depend on the target is worked out once a look.
+    between = _pairs.get(percept.objects, by_centre, lambda: _pair_graph(objects, solids, by_centre))
+    graph = between.copy()
+    for obj in objects:
+        if target in (None, obj.id):
+            _relate_approach(graph, obj, solids)
+    return graph
+
+
+def _pair_graph(objects: list[PerceivedObject], solids: dict[str, Solid], by_centre: bool) -> nx.MultiDiGraph[str]:
+    """The relations of all pairs."""
     import networkx as nx
 
     graph: nx.MultiDiGraph[str] = nx.MultiDiGraph()
-    objects = sorted(percept.objects, key=lambda obj: obj.id)
-    solids = {obj.id: solid_of(obj) for obj in objects}
     for obj in objects:
         graph.add_node(obj.id, node=_node(obj))
     for i, one in enumerate(objects):
@@ -87,9 +112,6 @@ def relation_graph(percept: Percept, target: str | None = None, *, by_centre: bo
             touching = between < TOUCH
             _relate_pair(graph, one, other, solids, gap, touching)
             _relate_pair(graph, other, one, solids, gap, touching)
-    for obj in objects:
-        if target in (None, obj.id):
-            _relate_approach(graph, obj, solids)
     return graph
 
 

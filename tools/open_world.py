@@ -52,7 +52,7 @@ class OpenedWorld:
     def snapshot(self) -> bytes:
         """The whole physical state and what the observer has recorded, as opaque bytes."""
         physics, observed = self.world.snapshot(), self.observer.state()
-        return zlib.compress(struct.pack("<qq", self.motions, len(physics)) + physics + observed, level=1)
+        return packed(self.motions, physics, observed)
 
     def restore(self, blob: bytes) -> None:
         """Continues exactly where `snapshot` was taken, bit for bit."""
@@ -73,6 +73,11 @@ class OpenedWorld:
         raw = zlib.decompress(blob)
         _, length = struct.unpack_from("<qq", raw)
         return zlib.compress(raw[: 16 + length], level=1)
+
+
+def packed(motions: int, physics: bytes, observed: bytes = b"") -> bytes:
+    """A snapshot of a physical state after so many motions, with what the observer recorded."""
+    return zlib.compress(struct.pack("<qq", motions, len(physics)) + physics + observed, level=1)
 
 
 def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", noise: float = 1.0) -> OpenedWorld:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kb.by_identity import ByIdentity
 from kb.constraint import Adjustment, Constraints
 from kb.grasp import closing_axis
 from kb.percept import PerceivedObject
@@ -47,6 +48,24 @@ def constrain(
         constraints: Active constraints with their adjustment.
         rejected: Counter by reason, added to.
     """
+
+    def fresh() -> tuple[tuple[Constrained, ...], dict[str, int]]:
+        counts: dict[str, int] = {}
+        return tuple(_constrain(candidates, subject, constraints, counts)), counts
+
+    kept, counts = _pools.get((subject, *candidates), constraints.model_dump_json(), fresh)
+    for reason, count in counts.items():
+        rejected[reason] = rejected.get(reason, 0) + count
+    return list(kept)
+
+
+_pools: ByIdentity[tuple[tuple[Constrained, ...], dict[str, int]]] = ByIdentity(32)
+"""Subject, candidates and constraints -> what is left and why others are not: configurations of a trial ask for the same."""
+
+
+def _constrain(
+    candidates: list[Candidate], subject: PerceivedObject, constraints: Constraints, rejected: dict[str, int]
+) -> list[Constrained]:
     adjustment = constraints.adjustment
     limit = _tilt_limit(adjustment)
     bias = np.asarray(adjustment.away, float)

@@ -10,6 +10,9 @@ import numpy as np
 from kb.base import Vec3
 from tools.planning.candidate import Array
 
+ROUNDING = 1e-9
+"""Far more than gaps are off by rounding [m]."""
+
 
 def outline(centre: Sequence[float], size: Vec3, yaw: float) -> Array:
     """Corners of a box's footprint (4, 2) [m]."""
@@ -27,3 +30,16 @@ def rectangle_gap(one: Array, other: Array) -> float:
             a, b = first @ axis, second @ axis
             widest = max(widest, float(max(a.min() - b.max(), b.min() - a.max())))
     return widest
+
+
+def clear_case(one: Sequence[float], size: Vec3, other: Sequence[float], other_size: Vec3, gap: float) -> bool | None:
+    """Whether `rectangle_gap` of two boxes is at least `gap`, however they are turned; None where the turn decides.
+
+    One of the four directions that it looks along is within 45 degrees of the line between the centres, and no gap is
+    wider than the distance of the circles inside.
+    """
+    apart = math.hypot(other[0] - one[0], other[1] - one[1])
+    around = 0.5 * (math.hypot(size[0], size[1]) + math.hypot(other_size[0], other_size[1]))
+    if apart * math.sqrt(0.5) - around > gap + ROUNDING:
+        return True
+    return False if apart - 0.5 * (min(size[:2]) + min(other_size[:2])) < gap - ROUNDING else None

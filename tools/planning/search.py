@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from kb.by_identity import ByIdentity
 from kb.constraint import Constraints
 from kb.experience import Strategy
 from kb.grasp import Grasp
@@ -32,6 +33,16 @@ OWN_CLEARANCE = 0.001
 """Distance of the open hand from the target's own observed points [m]; single noisy points don't count."""
 WIDE_MALUS = 0.25
 """Malus of places wider than `WIDEST_GRIP` where a narrower one exists."""
+
+KEPT = 32
+"""Clouds of points against which measurements are kept."""
+_measures: ByIdentity[dict[tuple[object, ...], tuple[float, float]]] = ByIdentity(KEPT)
+_fits: ByIdentity[dict[tuple[object, ...], bool]] = ByIdentity(KEPT)
+
+
+def _way_of(grasp: Grasp) -> tuple[object, ...]:
+    """All that the open hand's way follows from."""
+    return grasp.position, grasp.approach, grasp.yaw, grasp.aperture, grasp.standoff
 
 
 @dataclass
@@ -156,6 +167,14 @@ class Search:
         return known[0], known[1]
 
     def _measure(self, grasp: Grasp, narrowest: float, required: float) -> tuple[float, float]:
+        """As `_roomiest`, kept as long as these points are: other configurations of the trial ask for the same."""
+        key = (*_way_of(grasp), narrowest, required)
+        kept = _measures.get((self.neighbours_w,), None, dict[tuple[object, ...], tuple[float, float]])
+        if key not in kept:
+            kept[key] = self._swept(grasp, narrowest, required)
+        return kept[key]
+
+    def _swept(self, grasp: Grasp, narrowest: float, required: float) -> tuple[float, float]:
         offset = self.neighbours_w - np.asarray(grasp.position)
         far = HAND_RADIUS + grasp.standoff + FULL_LIFT + ROOMY
         near = self.neighbours_w[np.einsum("ij,ij->i", offset, offset) < far * far]
@@ -176,7 +195,13 @@ class Search:
         """Whether the open hand keeps off the target's own surface on its way."""
         # Things that fill the hand touch the fingers all the way.
         wanted = min(OWN_CLEARANCE, (grasp.aperture - width) / 2 - 0.003)
-        return len(self.own_w) < 4 or swept_count(grasp, self.own_w, wanted, lift=0.0) < 3
+        if len(self.own_w) < 4:
+            return True
+        key = (*_way_of(grasp), wanted)
+        kept = _fits.get((self.own_w,), None, dict[tuple[object, ...], bool])
+        if key not in kept:
+            kept[key] = swept_count(grasp, self.own_w, wanted, lift=0.0) < 3
+        return kept[key]
 
     def _reject(self, reason: str) -> None:
         self.rejected[reason] = self.rejected.get(reason, 0) + 1

@@ -20,7 +20,7 @@ from sim.motion import CARRIED_RADIUS, Obstacle
 from sim.place_motion import RETREAT, way_back
 from tools.planning.arm_clearance import path_clearance
 from tools.planning.candidate import Array, vec3
-from tools.planning.outline import outline, rectangle_gap
+from tools.planning.outline import clear_case, outline, rectangle_gap
 from tools.planning.surroundings import completed
 
 TABLE_X, TABLE_Y = (0.31, 0.74), (-0.34, 0.34)
@@ -131,12 +131,19 @@ def strip(corners: tuple[Vec2, Vec2], inset: float) -> Iterator[Vec2]:
 
 def stands_clear(held: PerceivedObject, option: SetDown, others: Iterable[PerceivedObject], gap: float) -> bool:
     """Whether the held object's box, turned as it will be, keeps a distance [m] from the boxes of others."""
-    mine = outline(option.centre, held.size, held.yaw + option.turn)
     height = held.size[2] + GAP
-    return all(
-        other.base_z >= height or rectangle_gap(mine, outline(other.position, other.size, other.yaw)) >= gap
-        for other in others
-    )
+    near: list[PerceivedObject] = []
+    for other in others:
+        if other.base_z < height:
+            keeps = clear_case(option.centre, held.size, other.position, other.size, gap)
+            if keeps is False:
+                return False
+            if keeps is None:
+                near.append(other)
+    if not near:
+        return True
+    mine = outline(option.centre, held.size, held.yaw + option.turn)
+    return all(rectangle_gap(mine, outline(other.position, other.size, other.yaw)) >= gap for other in near)
 
 
 def hand_at_grasp(held: Plan) -> Array:

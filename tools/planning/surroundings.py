@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kb.by_identity import ByIdentity
 from kb.percept import PerceivedObject, Percept
 from tools.planning.candidate import Array
 
@@ -23,13 +24,30 @@ def surroundings(percept: Percept, target: str) -> Array:
     A camera sees the near side only; things on tables are nearly always symmetric about their vertical axis, so the far
     side is taken as the near one turned by half a turn.
     """
+    return _around.get(percept.objects, target, lambda: _surroundings(percept, target))
+
+
+KEPT = 32
+"""Targets whose points are kept."""
+_around: ByIdentity[Array] = ByIdentity(KEPT)
+_own: ByIdentity[Array] = ByIdentity(KEPT)
+_whole: ByIdentity[Array] = ByIdentity(KEPT)
+
+
+def _surroundings(percept: Percept, target: str) -> Array:
     centre = np.asarray(percept.object(target).position)
     clouds = [
         completed(other)
         for other in percept.objects
         if other.id != target and float(np.linalg.norm(np.asarray(other.position) - centre)) < reach(other)
     ]
-    return np.concatenate(clouds) if clouds else np.zeros((0, 3))
+    return _fixed(np.concatenate(clouds) if clouds else np.zeros((0, 3)))
+
+
+def _fixed(points_w: Array) -> Array:
+    """The points, which are shared from now on, closed to changes."""
+    points_w.flags.writeable = False
+    return points_w
 
 
 def reach(other: PerceivedObject) -> float:
@@ -39,6 +57,10 @@ def reach(other: PerceivedObject) -> float:
 
 def completed(other: PerceivedObject) -> Array:
     """Observed points of an object and the same turned half around its vertical axis, shape (N, 3) [m]."""
+    return _whole.get((other,), None, lambda: _fixed(_completed(other)))
+
+
+def _completed(other: PerceivedObject) -> Array:
     points_w = other.surface_points()
     if len(points_w) < 8:
         return box_points(other)
@@ -53,6 +75,10 @@ def own_points(target: PerceivedObject) -> Array:
 
     Handles stick out of the body and are not turned.
     """
+    return _own.get((target,), None, lambda: _fixed(_own_points(target)))
+
+
+def _own_points(target: PerceivedObject) -> Array:
     points_w = thinned(target.surface_points(), OWN_POINTS)
     rim = target.part("rim")
     axis = rim if rim is not None and rim.radius is not None else None
