@@ -125,6 +125,16 @@ def test_an_empty_table_has_no_objects() -> None:
         assert percept.objects == ()
 
 
+def test_an_empty_table_without_noise_has_no_objects() -> None:
+    """Pictures of a bare table without any noise, of which no point is left, give no object and no crash."""
+    world, _, _, _ = _looked("single_cup")
+    from dataclasses import replace
+
+    bare = World(replace(world.placed, objects=(), noise=0.0))
+    percept = RgbdPerceiver().perceive(bare.capture(np.random.default_rng(0)), PerceiveArgs())
+    assert percept.objects == ()
+
+
 def test_the_pixel_pipeline_cannot_import_the_truth() -> None:
     """No module of the pixel pipeline imports anything of `sim`."""
     folder = Path(tools.perception.__file__).parent

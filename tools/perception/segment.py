@@ -57,7 +57,10 @@ def chromaticity(rgb: Array) -> Array:
 
 
 def segment(points: ObjectPoints) -> Pieces:
-    """Cuts the points into pieces."""
+    """Cuts the points into pieces; none of an empty table, of which clean pictures leave no point at all."""
+    if not len(points.keys):
+        nothing = np.zeros(0, np.intp)
+        return Pieces(nothing, nothing, {})
     first, second = neighbour_pairs(points.keys)
     cluster = connected(len(points.keys), first, second)
     amount = points.voxel_counts()
