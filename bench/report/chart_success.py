@@ -5,7 +5,7 @@ from __future__ import annotations
 from bench.paper_tables import TABLE_II, TRIALS
 from bench.report import svg
 from bench.report.contrasts import REGISTERED, contrasts
-from bench.report.noise import curve
+from bench.report.noise import curves
 from bench.report.results import CATEGORIES, CATEGORY_WORDS, Results, solved
 from bench.report.value import Count, Span, signed
 from bench.statistics import wilson
@@ -101,8 +101,8 @@ def contrast_chart(results: Results) -> str:
 
 def noise_chart(results: Results) -> str:
     """Success against noise, with Wilson bands."""
-    curves = {name: points for name in results.configurations if len(points := curve(results, name)) > 1}
-    if not curves:
+    found = curves(results)
+    if not found:
         return ""
     left, width, top, height = 50, 560, 14, 260
     least, most = min(results.noises), max(results.noises)
@@ -117,9 +117,9 @@ def noise_chart(results: Results) -> str:
     for level in results.noises:
         items.append(svg.text(place(level), top + height + 13, f"{level:g}", anchor="middle", style="small"))
     items.append(svg.text(left + width / 2, top + height + 32, "noise factor", anchor="middle", style="small"))
-    for number, (name, points) in enumerate(curves.items()):
+    for number, (name, points) in enumerate(found.items()):
         colour = LINES[number % len(LINES)]
-        at = {level: place(level, number - (len(curves) - 1) / 2) for level in points}
+        at = {level: place(level, number - (len(found) - 1) / 2) for level in points}
         upper = [(at[x], top + height * (1 - interval.high)) for x, (_, interval) in points.items()]
         lower = [(at[x], top + height * (1 - interval.low)) for x, (_, interval) in points.items()]
         middle = [(at[x], top + height * (1 - interval.value)) for x, (_, interval) in points.items()]

@@ -6,28 +6,54 @@ from bench.report.results import Results, solved
 from bench.report.table import Table
 from bench.report.value import Content, Count, Number, Span
 from bench.statistics import Interval, wilson
+from bench.trial import Trial
+
+Curve = dict[float, tuple[Count, Interval]]
+"""Noise level -> successes and their Wilson interval."""
 
 
-def curve(results: Results, configuration: str) -> dict[float, tuple[Count, Interval]]:
-    """Noise level -> successes and their Wilson interval."""
-    found: dict[float, tuple[Count, Interval]] = {}
-    for level in results.noises:
-        k, n = solved(results.of(configuration, noise=level))
-        if n:
-            found[level] = Count(k, n), wilson(k, n)
-    return found
+def curves(results: Results) -> dict[str, Curve]:
+    """The curves of the configurations that ran at every noise level, over the worlds that all of them saw at all levels.
+
+    Points of other worlds or other tasks would compare the easy with the hard.
+    """
+    levels = results.noises
+    if len(levels) < 2:
+        return {}
+    own = {name: [results.of(name, noise=level) for level in levels] for name in results.configurations}
+    names = [name for name, trials in own.items() if all(trials)]
+    seen = [{_world(trial) for trial in trials} for name in names for trials in own[name]]
+    shared = set.intersection(*seen) if seen else set()
+    if not shared:
+        return {}
+    return {
+        name: {
+            level: _point([trial for trial in trials if _world(trial) in shared])
+            for level, trials in zip(levels, own[name], strict=True)
+        }
+        for name in names
+    }
+
+
+def _world(trial: Trial) -> tuple[str, int, int]:
+    return trial.task, trial.repetition, trial.trial
+
+
+def _point(trials: list[Trial]) -> tuple[Count, Interval]:
+    k, n = solved(trials)
+    return Count(k, n), wilson(k, n)
 
 
 def tables(results: Results) -> list[Table]:
     """One row per configuration and noise level, where there are several levels."""
-    if len(results.noises) < 2:
+    found = curves(results)
+    if not found:
         return []
-    rows: list[tuple[Content, ...]] = []
-    for configuration in results.configurations:
-        points = curve(results, configuration)
-        if len(points) > 1:
-            for level, (count, interval) in points.items():
-                rows.append((configuration, Number(level, 1), count, Span(interval.low, interval.high)))
+    rows: list[tuple[Content, ...]] = [
+        (name, Number(level, 1), count, Span(interval.low, interval.high))
+        for name, points in found.items()
+        for level, (count, interval) in points.items()
+    ]
     return [
         Table(
             "noise",
@@ -35,6 +61,6 @@ def tables(results: Results) -> list[Table]:
             ("configuration", "noise", "success", "95 % Wilson"),
             tuple(rows),
             "Noise 1 is the benchmark's; the factor scales the uncertainty of depth, calibration, friction and mass "
-            f"together. All other tables are at noise {results.noise:g}.",
+            f"together. The same worlds at every point. All other tables are at noise {results.noise:g}.",
         )
     ]

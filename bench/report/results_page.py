@@ -51,11 +51,11 @@ def targets(results: Results) -> list[Target]:
     for task in ("single_apple", "single_bowl"):
         found.append(_share(task, results.of("full", [task]), 90.0))
     goals = [goal for goal in subgoals(trials) if goal.attempts]
-    recovered = Count(sum(g.recovered for g in goals), sum(g.first_failed for g in goals))
-    found += [
-        _count("constraints satisfied", safety.satisfaction(trials), 95.0),
-        _count("recovered sub-goals", recovered, 75.0),
-    ]
+    found.append(_count("constraints satisfied", safety.satisfaction(trials), 95.0))
+    for level in (results.noise, *(more for more in results.noises if more > results.noise)):
+        # Where hardly a first attempt fails, only more noise can show what recovery is worth.
+        where = "" if level == results.noise else f" at noise {level:g}"
+        found.append(_count(f"recovered sub-goals{where}", _recovered(results.of("full", noise=level)), 75.0))
     if trials:
         damage = 100 * sum(t.damage_events for t in trials) / len(trials)
         found.append(Target("damage events per 100 trials", "≤ 1", Number(damage), damage <= 1.0))
@@ -70,6 +70,12 @@ def targets(results: Results) -> list[Target]:
     if ratios:
         found.append(Target("bare_step_ratio (median)", "≤ 1.3", Number(median(ratios)), median(ratios) <= 1.3))
     return found
+
+
+def _recovered(trials: Sequence[Trial]) -> Count:
+    """Sub-goals whose first attempt failed, and those of them that a later one solved."""
+    goals = [goal for goal in subgoals(trials) if goal.attempts]
+    return Count(sum(goal.recovered for goal in goals), sum(goal.first_failed for goal in goals))
 
 
 def _share(what: str, trials: Sequence[Trial], wanted: float) -> Target:

@@ -16,6 +16,7 @@ from bench.report import Extras, write_report
 from bench.report.__main__ import main
 from bench.report.contrasts import REGISTERED, adjusted, contrasts
 from bench.report.findings import findings
+from bench.report.noise import curves
 from bench.report.recovery import endings, tables
 from bench.report.results import Results
 from bench.report.safety import satisfaction
@@ -219,3 +220,14 @@ def test_command_line(trials: list[Trial], tmp_path: Path, capsys: pytest.Captur
     with pytest.raises(SystemExit):
         main([str(tmp_path)])
     assert "different evaluators" in capsys.readouterr().err
+
+
+def test_noise_curves_compare_the_same_worlds() -> None:
+    """A curve counts only worlds that every configuration of it saw at every noise, whatever else ran at one of them."""
+    rows = [row for level in (1.0, 2.0) for row in drawn_rows({"full": 0.7, "vlm_only": 0.3}, trials=5, noise=level)]
+    plain = Results([digest(row) for row in rows])
+    more = drawn_rows({"full": 1.0, "blind_retry": 1.0}, trials=9, noise=2.0, tasks=("single_cup",))
+    wider = Results([digest(row) for row in [*rows, *(row for row in more if row["trial"] >= 5)]])
+    assert curves(wider) == curves(plain)
+    assert set(curves(plain)) == {"full", "vlm_only"}
+    assert curves(Results([trial for trial in plain.all if trial.noise == 1.0])) == {}
