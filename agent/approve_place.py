@@ -14,6 +14,7 @@ from agent.approval import Decision, Proposal
 from agent.chat.steer import steered
 from agent.context import AgentContext
 from agent.goal import Placement
+from agent.placed import placing_thought, putting
 from agent.placing import place_args
 from agent.state import State, Update, merged
 from kb.base import Vec2
@@ -68,10 +69,10 @@ def _proposal(state: State, args: PlaceArgs, point: Vec2 | None) -> dict[str, An
     return Proposal(
         instruction=state.instruction,
         goal=state.agenda[-1],
-        thought=phrases.placing_thought(state.goal, held, point),
+        thought=placing_thought(state.goal, held, point),
         plan=held.plan,
         motion="place",
-        words=phrases.putting(state.goal, held),
+        words=putting(state.goal, held),
         point=None if args.kind in FIXED else point,
     ).model_dump(mode="json")
 

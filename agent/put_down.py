@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from langgraph.runtime import Runtime
 
-from agent import events, phrases
+from agent import events
 from agent.agenda import finish
 from agent.attempt import Moved
 from agent.context import AgentContext
 from agent.ladder import MAX_RELOOKS, budget
 from agent.nodes import look
+from agent.placed import placed, placing
 from agent.placing import origin_of, place_args
 from agent.seen_placed import called_as_before, seen_placed
 from agent.state import State, Update, merged
@@ -29,13 +30,13 @@ def place(state: State, runtime: Run) -> Update:
     opened = context.world.at(state.world)
     context.emit(
         events.Action(
-            text=phrases.placing(state.goal, state.held), goal=state.current, tool="place_object", motion=opened.motions
+            text=placing(state.goal, state.held), goal=state.current, tool="place_object", motion=opened.motions
         )
     )
     context.world.moving()
     with context.timed("execution", times):
         sensing = place_object(place_args(state), context.tool("place", opened.motions))
-    claimed, note = phrases.placed(sensing, state.goal, origin_of(state))
+    claimed, note = placed(sensing, state.goal, origin_of(state))
     context.emit(events.Observation(text=note, goal=state.current, sensing=sensing, claimed=claimed))
     handed = claimed and state.goal.placement is not None and state.goal.placement.kind == "hand_over"
     still = state.held.model_copy(update={"handed_over": handed}) if opened.robot.holding else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from agent import events, phrases
+from agent import events
 from agent.attempt import Attempt
 from agent.chat.events import Noted
 from agent.chat.explain import explain
@@ -12,6 +12,7 @@ from agent.chat.hear import hear, thing_instead
 from agent.chat.read_demand import only_demand, plain
 from agent.chat.steer import place_instead
 from agent.language.read_command import understand
+from agent.placed import putting
 from agent.state import State
 from kb.errors import BadInputError
 from kb.sensing import Sensing
@@ -95,7 +96,7 @@ def _about_placing(state: State, *, why: bool) -> events.BaseStep:
     if why:
         asked = "you asked me to" if goal.parent is None else "it has to be done before what you asked for"
         return Noted(
-            text=f"I would {phrases.putting(goal, held)} because {asked}; it is the free place within my reach that "
+            text=f"I would {putting(goal, held)} because {asked}; it is the free place within my reach that "
             "fits best. The motion still waits: yes, no, or where else."
         )
     return Noted(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from agent.goal import Goal, Placement, Reference
-from agent.phrases import placed
+from agent.placed import placed
 from kb.sensing import Sensing
 
 
