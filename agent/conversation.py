@@ -39,6 +39,9 @@ class Agent:
         self._durability = "sync" if thread is not None else "exit"
         self._config = {"configurable": {"thread_id": thread or "here"}, "recursion_limit": STEP_LIMIT}
         self._running = threading.Lock()
+        self._latch = threading.Lock()
+        """Held while stop, release and the end of a turn are put in order."""
+        self._at_work = self._release_after = False
         self.thread = thread
         """Name of the thread, or None."""
         self.result: RunResult | None = None
@@ -156,8 +159,10 @@ class Agent:
             except BaseException as error:
                 failures.append(error)
             finally:
+                self._rest()
                 told.put(None)
 
+        self._at_work = True
         worker = threading.Thread(target=work, name="ragvlm-graph", daemon=True)
         worker.start()
         try:
@@ -200,11 +205,28 @@ class Agent:
 
     def stop(self) -> None:
         """Stops the robot and latches: nothing moves until `release`. May be called from any thread."""
-        self.context.world.stop()
+        with self._latch:
+            self._release_after = False
+            self.context.world.stop()
 
     def release(self) -> None:
-        """Lets the robot move again, on request."""
-        self.opened.stop.release()
+        """Lets the robot move again, on request: at once, or as soon as the turn that was stopped has ended.
+
+        Within that turn the robot stays still, or the next attempt of what was stopped would begin by itself.
+        """
+        with self._latch:
+            if self._at_work:
+                self._release_after = self.opened.stop.pressed
+            else:
+                self.opened.stop.release()
+
+    def _rest(self) -> None:
+        """The turn has ended: a release that came within it counts from now on."""
+        with self._latch:
+            self._at_work = False
+            if self._release_after:
+                self._release_after = False
+                self.opened.stop.release()
 
 
 def _told(failure: BaseException) -> BaseException:

@@ -98,7 +98,7 @@ class Turns:
         self.agent.stop()
 
     def release(self) -> None:
-        """Lets the robot move again; nothing moves by itself after that."""
+        """Lets the robot move again, after the turn in work at the earliest; nothing moves by itself after that."""
         self.agent.release()
 
     # Running ------------------------------------------------------------------------------------------------------

@@ -113,7 +113,10 @@ class Terminal:
                 self._leaving = True
             else:
                 (self._talk.conversation.stop if name == "/stop" else self._talk.conversation.release)()
-                say("stopped: nothing moves until /release" if name == "/stop" else "released", "bold red")
+                say(
+                    "stopped: nothing moves until /release" if name == "/stop" else "released when this has ended",
+                    "bold red",
+                )
         except BadInputError as error:
             say(f"error: {error}")
 

@@ -175,6 +175,37 @@ def test_a_stop_in_the_middle_of_a_motion_ends_the_run_honestly() -> None:
     assert again.goals[0].claimed
 
 
+def test_a_release_within_the_stopped_turn_sets_nothing_going() -> None:
+    """What was stopped does not go on by itself, however soon the release comes; the next instruction does."""
+    agent = cube()
+
+    def stop_and_release(step: BaseStep) -> None:
+        if getattr(step, "kind", "") == "action":
+            agent.stop()
+            agent.release()
+
+    stopped = agent.run("pick up the cube", stop_and_release)
+    assert not stopped.goals[0].claimed
+    assert len(stopped.goals[0].attempts) == 1
+    assert "stopped" in stopped.answer.lower()
+    assert not agent.opened.stop.pressed
+    assert told(agent, "pick up the cube")[0].goals[0].claimed
+
+
+def test_a_stop_after_a_release_within_one_turn_holds() -> None:
+    """The last word counts: stop, release, stop leaves the robot stopped when the turn has ended."""
+    agent = cube()
+
+    def stop_again(step: BaseStep) -> None:
+        if getattr(step, "kind", "") == "action":
+            agent.stop()
+            agent.release()
+            agent.stop()
+
+    agent.run("pick up the cube", stop_again)
+    assert agent.opened.stop.pressed
+
+
 def test_leaving_the_stream_stops_the_robot() -> None:
     """Whoever stops listening stops the robot, and the stop latches."""
     agent = cube()
