@@ -54,6 +54,10 @@ def _nobody(_exchange: Exchange) -> None:
     """The default listener."""
 
 
+def unheard(_reply: str) -> None:
+    """The default listener to a reply that is being made."""
+
+
 @dataclass(frozen=True)
 class Situation:
     """The facts a brain may use. What is not known yet is None or empty."""
@@ -93,6 +97,8 @@ class Situation:
     """Time left for a reply [s]."""
     tell: Callable[[Exchange], None] = _nobody
     """Told every exchange with a model, as it happens."""
+    hear: Callable[[str], None] = unheard
+    """Told a model's reply so far, each time that more of it has come."""
 
 
 class Deliberation(Noun):

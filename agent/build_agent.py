@@ -46,6 +46,7 @@ def build_agent(
     record_brain: str | Path | None = None,
     brain_pictures: bool = True,
     brain_limits: BrainLimits | None = None,
+    aloud: bool = False,
     graph: Callable[[Any], Any] | None = None,
 ) -> Agent:
     """An agent in a scene.
@@ -72,6 +73,7 @@ def build_agent(
         record_brain: file that keeps the exchanges with a language model; what stands in it is not asked again.
         brain_pictures: whether a language model is sent pictures.
         brain_limits: calls, tokens and seconds that a language model may take for an instruction.
+        aloud: tell what a language model says while it says it, as steps of kind "saying" between the others.
         graph: makes the graph from a checkpointer (default: the task graph alone).
 
     Raises:
@@ -116,7 +118,7 @@ def build_agent(
         tools=tools, brain=thinker, world=WorldHandle(opened), scene=scene, seed=seed, approve=approve is not None,
         dry_run=dry_run, oracle_failure=_oracle(opened) if chosen.switches.diagnosis == "oracle_phi" else None,
         clock=time.perf_counter, start_memory=memory, names_objects=seeing == "vlm",
-        limits=brain_limits or BrainLimits(),
+        limits=brain_limits or BrainLimits(), aloud=aloud,
     )  # fmt: skip
     names = {"configuration": configuration, "brain": thinker.name, "perception": seeing, "evaluator": evaluator}
     return Agent(context, compiled, names, thread=thread, approve=approve)

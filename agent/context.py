@@ -46,6 +46,8 @@ class AgentContext:
     limits: BrainLimits = field(default_factory=BrainLimits)
     names_objects: bool = False
     """The brain names what is seen (`--perception vlm`)."""
+    aloud: bool = False
+    """Tell what a model says while it says it (`agent.events.Saying`); faces want that, records do not."""
     mail: Callable[[], tuple[str, ...]] = field(default=lambda: ())
     """What a person has said since the last call, while the robot was at work (a conversation)."""
     thread: str = "here"

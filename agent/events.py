@@ -145,6 +145,17 @@ class ModelCall(BaseStep):
     exchange: Exchange
 
 
+class Saying(BaseStep):
+    """What a model has said so far of a reply that is still being made; `text` is inert and may be empty.
+
+    It counts for nothing: the gate judges the whole reply, and the step that follows tells what became of it. It is told
+    only where somebody wants to hear it (`AgentContext.aloud`), and stands in no trace.
+    """
+
+    kind: Literal["saying"] = "saying"
+    role: str
+
+
 class Refused(BaseStep):
     """A reply that did not pass the gate; the model is told why."""
 

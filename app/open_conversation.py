@@ -56,6 +56,7 @@ def open_conversation(options: RunOptions, thread: str | None) -> Conversation:
         learn=options.learn,
         record_brain=options.record_brain,
         brain_pictures=options.brain_pictures,
+        aloud=True,
     )
     talk.learner = learner
     return talk

@@ -80,13 +80,18 @@ def _make_record(options: RunOptions) -> RunRecord | None:
 
 def _stream(session: Session, words: str, console: Console, record: RunRecord | None) -> RunResult:
     """Prints and records the steps as they happen; returns the result."""
+    from agent.events import Saying
     from app.steps import StepPrinter
 
     printer = StepPrinter(console)
-    for step in session.stream(words):
-        printer.show(step)
-        if record is not None:
-            record.on_step(step)
+    try:
+        for step in session.stream(words):
+            printer.show(step)
+            # What a model was about to say is no step of the run: its whole reply is one.
+            if record is not None and not isinstance(step, Saying):
+                record.on_step(step)
+    finally:
+        printer.end_words()
     return session.result
 
 

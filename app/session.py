@@ -54,6 +54,7 @@ class Session:
             learn=options.learn,
             record_brain=options.record_brain,
             brain_pictures=options.brain_pictures,
+            aloud=True,
         )
 
     def __enter__(self) -> Session:

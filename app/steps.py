@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from app.words import WordsPrinter
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -45,20 +47,32 @@ class StepPrinter:
 
     def __init__(self, console: Console) -> None:
         self._console = console
+        self._words = WordsPrinter(console, WIDTH)
+
+    def end_words(self) -> None:
+        """Ends the line on which a model's words grow, before anything else is printed."""
+        self._words.end()
 
     def show(self, step: Any) -> None:
         """Prints a step of `agent.events`: its sentence, and under it the numbers that belong to it."""
         from rich.text import Text
 
+        from agent.chat.heard import inert
+
+        if step.kind == "saying":
+            self._words.show(step)
+            return
+        self._words.end()
         label, style = LABELS.get(step.kind, (step.kind.capitalize(), "bold"))
-        first, *rest = str(step.text).splitlines() or [""]
+        # A model's thought may hold anything; nothing of it may steer the terminal.
+        text = inert(str(step.text))
+        first, *rest = text.splitlines() or [""]
         line = Text(f"{label:<{WIDTH}}", style=style)
         line.append(first, style="default")
         self._console.print(line)
         details = DETAILS.get(step.kind)
-        said = str(step.text)
-        for extra in [*rest, *(line for line in (details(step) if details else ()) if line not in said)]:
-            self._console.print(Text(" " * WIDTH + extra, style="dim"))
+        for extra in [*rest, *(line for line in (details(step) if details else ()) if line not in text)]:
+            self._console.print(Text(" " * WIDTH + inert(extra), style="dim"))
 
 
 def _look(step: Any) -> list[str]:

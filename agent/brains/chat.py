@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
+
+from agent.brain import unheard
 
 Role = Literal["system", "user"]
 
@@ -43,6 +46,8 @@ class Prompt:
     max_tokens: int = 512
     seconds: float = 120.0
     """Time left for the reply, retries included [s]."""
+    hear: Callable[[str], None] = field(default=unheard, compare=False, repr=False)
+    """Told the reply so far, each time that more of it has come; after a fault it begins anew."""
 
     def key(self, model: str) -> str:
         """Content hash: the same model, messages, pictures and schema have the same key."""

@@ -94,7 +94,13 @@ class HfChat:
         Raises:
             BrainFaultError: the time is over, the person has stopped, or the device has no memory left.
         """
-        return self._made(prompt, lambda _piece: None, lambda: False)
+        so_far: list[str] = []
+
+        def heard(piece: str) -> None:
+            so_far.append(piece)
+            prompt.hear("".join(so_far))
+
+        return self._made(prompt, heard, lambda: False)
 
     def stream(self, prompt: Prompt) -> Generator[str, None, Reply]:
         """The same reply piece by piece, while it is made; what the pieces join to is the text of the generator's value.

@@ -184,6 +184,7 @@ class ModelBrain:
             schema=schema_of(kind),
             max_tokens=MAX_TOKENS[kind],
             seconds=situation.seconds,
+            hear=situation.hear,
         )
         record = {
             "role": role,

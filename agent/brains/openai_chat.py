@@ -169,6 +169,7 @@ class OpenAIChat:
         )
         for chunk in stream:
             parts.append(str(chunk.text))
+            prompt.hear("".join(parts))
             finish = chunk.response_metadata.get("finish_reason") or finish
             if chunk.usage_metadata:
                 used = (chunk.usage_metadata["input_tokens"], chunk.usage_metadata["output_tokens"])

@@ -63,7 +63,7 @@ class RecordingChat:
         row = self._known.get(key)
         if row is not None and row.get("fault") is None:
             self._blind = not row["sees"]
-            return _reply(row)
+            return _said(row, prompt)
         try:
             got = self._chat.reply(prompt)
         except BrainFaultError as fault:
@@ -124,7 +124,7 @@ class ReplayChat:
         self.sees = bool(row["sees"])
         if row.get("fault") is not None:
             raise BrainFaultError(str(row["fault"]))
-        return _reply(row)
+        return _said(row, prompt)
 
 
 def read_record(file: Path) -> tuple[str, bool, dict[str, dict[str, Any]]]:
@@ -154,7 +154,9 @@ def read_record(file: Path) -> tuple[str, bool, dict[str, dict[str, Any]]]:
     return str(head["model"]), bool(head["sees"]), {row["key"]: row for row in rows if "key" in row}
 
 
-def _reply(row: dict[str, Any]) -> Reply:
+def _said(row: dict[str, Any], prompt: Prompt) -> Reply:
+    """A kept reply; whoever listens hears it as a whole."""
+    prompt.hear(str(row["reply"]))
     return Reply(str(row["reply"]), int(row["prompt_tokens"]), int(row["completion_tokens"]))
 
 

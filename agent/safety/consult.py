@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from agent import events
-from agent.brain import Brain, BrainFaultError, Exchange, Refusal, Situation, UnusableReplyError
+from agent.brain import Brain, BrainFaultError, Exchange, Refusal, Situation, UnusableReplyError, unheard
 from agent.context import AgentContext
+from agent.safety.aloud import Aloud
 from agent.safety.gate import RefusedError
 from agent.state import State
 from kb.errors import EnvironmentFaultError
@@ -51,6 +52,7 @@ class Consultation(Generic[T]):
         self._role, self._state, self._context, self._facts, self._ask = role, state, context, facts, ask
         self._use = ModelUse()
         self._refusals: tuple[Refusal, ...] = ()
+        self._aloud = Aloud(context, role, state.current)
 
     def decide(self) -> Consulted[T]:
         """The brain's word, if it counts in the end, else that of the rules.
@@ -83,10 +85,12 @@ class Consultation(Generic[T]):
     def _situation(self, seconds: float) -> Situation:
         limits = self._context.limits
         left = max(1.0, min(limits.reply_seconds, limits.seconds - seconds))
-        return dataclasses.replace(self._facts, refusals=self._refusals, tell=self._heard, seconds=left)
+        hear = self._aloud.hear if self._context.aloud else unheard
+        return dataclasses.replace(self._facts, refusals=self._refusals, tell=self._heard, hear=hear, seconds=left)
 
     def _heard(self, exchange: Exchange) -> None:
         """Counts and tells an exchange."""
+        self._aloud.end()
         self._last = exchange.reply
         if exchange.fault is None:
             used = ModelUse(calls=1, prompt_tokens=exchange.prompt_tokens, completion_tokens=exchange.completion_tokens)

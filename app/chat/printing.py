@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from agent.chat.heard import inert
@@ -34,9 +35,19 @@ class ChatPrinter:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._steps = StepPrinter(console)
+        self.words = ""
+        """What a model is saying at the moment."""
+        self.on_words: Callable[[], None] = lambda: None
+        """Called when there are more of them."""
 
     def show(self, event: Any) -> None:
         """Prints one event of `agent.events` or `agent.chat.events`."""
+        if event.kind == "saying":
+            self._steps.show(event)
+            self.words = event.text
+            self.on_words()
+            return
+        self._end_words()
         if event.kind == "finished":
             if any(goal.attempts for goal in event.result.goals):
                 print_verdict(self._console, event.result)
@@ -47,13 +58,18 @@ class ChatPrinter:
         elif event.kind == "said":
             self.say(f"you> {event.text}", "dim")
         else:
-            self._steps.show(event.model_copy(update={"text": inert(event.text)}))
+            self._steps.show(event)
 
     def say(self, text: str, style: str = "") -> None:
         """Prints a line of the face itself."""
         from rich.text import Text
 
+        self._end_words()
         self._console.print(Text(inert(text), style=style))
+
+    def _end_words(self) -> None:
+        self.words = ""
+        self._steps.end_words()
 
     def _labelled(self, event: Any) -> None:
         from rich.text import Text

@@ -22,6 +22,8 @@ LONGEST_PASTE = 20_000
 """A longer paste is not taken over into the line [characters]; an instruction has at most 10,000."""
 LONGEST_REMEMBERED = 2_000
 """Longer lines do not go into the history file."""
+SHOWN_WORDS = 240
+"""The end of what a model is saying, above the prompt [characters]."""
 WHILE_BUSY = ("/stop", "/release", "/quit")
 """Commands that are heard while the robot works; others come after it."""
 
@@ -39,6 +41,7 @@ class Terminal:
         self._code = ACHIEVED
         self._failure: BaseException | None = None
         self._prompt: PromptSession[str] = _prompt_session(self._refuse_paste)
+        talk.printer.on_words = self._wake
 
     def run(self) -> int:
         """Talks until the person leaves; returns the exit code."""
@@ -78,7 +81,9 @@ class Terminal:
         if self._talk.conversation.stopped:
             return "stopped> "
         if self.busy:
-            return "working> "
+            # Above a prompt only whole lines are printed: what a model is saying grows on a line of the prompt.
+            words = self._talk.printer.words[-SHOWN_WORDS:]
+            return f"{words}\nworking> " if words else "working> "
         return "approve> " if self._talk.asked and self._talk.conversation.pending is not None else PROMPT
 
     def _take(self, line: str) -> None:

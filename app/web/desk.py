@@ -244,6 +244,9 @@ class Desk:
     def _on_step(self, step: Any) -> None:
         if step.kind == "said" or (step.kind == "stopped" and self._stop_told):
             return
+        if step.kind == "saying":
+            self._tell({"type": "saying", "text": step.text})
+            return
         self.board.on_step(step)
         talk = self.talk
         assert talk is not None

@@ -34,8 +34,19 @@ $("log").addEventListener("scroll", () => {
 });
 new ResizeObserver(() => { if (pinned) $("log").scrollTop = $("log").scrollHeight; }).observe($("log"));
 
+// What a model is saying: not judged yet, gone when the next entry comes, and not read aloud word by word.
+let saying = null;
+
+export function showSaying(text) {
+  const log = $("log");
+  if (!saying?.isConnected) log.append(saying = h("div", { class: "entry step k-saying", "aria-hidden": "true" }, h("span", { class: "who" }, "Says"), h("span", {})));
+  saying.lastElementChild.textContent = text;
+  if (pinned) log.scrollTop = log.scrollHeight;
+}
+
 export function addEntry(entry) {
   const log = $("log");
+  saying?.remove();
   log.append(entryElement(entry));
   while (log.childElementCount > MOST) log.firstElementChild.remove();
   pinned ||= entry.kind === "said";

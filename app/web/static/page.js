@@ -1,5 +1,5 @@
 // Connects to the robot, hands messages to the panels, and orders back. The server checks every order again.
-import { addEntry, showApproval, showHints, showTranscript } from "./chat.js";
+import { addEntry, showApproval, showHints, showSaying, showTranscript } from "./chat.js";
 import { wireControls } from "./controls.js";
 import { $ } from "./dom.js";
 import { showGrasps, showLamps, showMemory, showPictures, showScene, showWhy, wireTabs } from "./panels.js";
@@ -78,6 +78,7 @@ const HANDLERS = {
     document.querySelector("#log > .empty")?.remove();
     addEntry(message.entry);
   },
+  saying: (message) => showSaying(message.text),
   replays(message) { page.replays = message.value; controls.showReplays(); },
   offers(message) { page.offers = message.value; controls.showOffers(); },
   controls(message) { page.controls = message; controls.show(); PARTS.pending(page.board.pending); },
