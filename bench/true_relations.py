@@ -68,6 +68,19 @@ class TrueThing:
         return np.asarray(ConvexHull(self.surface[:, :2]).equations)
 
     @cached_property
+    def view(self) -> dict[tuple[int, int], float]:
+        """Cells of the view from the front camera that the samples fall into, with the nearest distance in each [m]."""
+        along = self.surface - np.asarray(EYE)
+        distance = np.linalg.norm(along, axis=1)
+        bearing = np.arctan2(along[:, 1], -along[:, 0])
+        dip = np.arcsin(along[:, 2] / distance)
+        cells: dict[tuple[int, int], float] = {}
+        columns, rows = np.floor(bearing / CELL).astype(int).tolist(), np.floor(dip / CELL).astype(int).tolist()
+        for key, d in zip(zip(columns, rows, strict=True), distance.tolist(), strict=True):
+            cells[key] = min(cells.get(key, math.inf), d)
+        return cells
+
+    @cached_property
     def breadth(self) -> float:
         """Smallest extent over all horizontal directions [m]."""
         angles = np.linspace(0.0, math.pi, 36, endpoint=False)
@@ -146,23 +159,8 @@ def _inside(inner: TrueThing, outer: TrueThing) -> bool:
 
 def hidden_share(front: TrueThing, back: TrueThing) -> float:
     """Share of the cells of the back thing's silhouette, seen from the front camera, where the front thing is nearer."""
-    cells, depths = _view(back.surface)
-    others, nearer = _view(front.surface)
-    depth = dict(zip(others, nearer, strict=True))
-    return float(np.mean([depth.get(cell, math.inf) < mine for cell, mine in zip(cells, depths, strict=True)]))
-
-
-def _view(points: Array) -> tuple[list[tuple[int, int]], list[float]]:
-    """Cells of the view from the front camera that the samples fall into, with the nearest distance in each."""
-    along = points - np.asarray(EYE)
-    distance = np.linalg.norm(along, axis=1)
-    bearing = np.arctan2(along[:, 1], -along[:, 0])
-    dip = np.arcsin(along[:, 2] / distance)
-    cells: dict[tuple[int, int], float] = {}
-    for u, v, d in zip(np.floor(bearing / CELL), np.floor(dip / CELL), distance, strict=True):
-        key = (int(u), int(v))
-        cells[key] = min(cells.get(key, math.inf), float(d))
-    return list(cells), list(cells.values())
+    nearer = front.view
+    return float(np.mean([nearer.get(cell, math.inf) < mine for cell, mine in back.view.items()]))
 
 
 def blocked_share(obstacle: TrueThing, target: TrueThing) -> float:

@@ -4,7 +4,7 @@ Definitions (a R b), all in the world frame, from upright solids fitted to what 
 
 ON_TOP_OF / SUPPORTS       footprints overlap, a's base within 1 cm of b's top; or a is inside b and sticks out of it
 INSIDE / CONTAINS          b is hollow, a lies over it and begins at least 1 cm below its edge
-OCCLUDES / OCCLUDED_BY     a hides at least a quarter of b from the front camera
+OCCLUDES / OCCLUDED_BY     a hides at least a quarter of b from the front camera (where a's surface was seen)
 BEHIND / IN_FRONT_OF       a is farther from the person at the front camera, within 60 degrees of the view
 LEFT_OF / RIGHT_OF         a is to the person's left, within 60 degrees
 ABOVE / BELOW              footprints overlap, a begins at b's top or higher
@@ -132,7 +132,7 @@ def _relate_pair(
         "INSIDE": inside,
         "ON_TOP_OF": sticks_out(a, b) if inside else rests_on(a, b),
         "ABOVE": not inside and is_above(a, b),
-        "OCCLUDES": directed and hides(a, b),
+        "OCCLUDES": directed and hides(a, b, one.surface_points()),
         "BEHIND": directed and is_behind(one.position, other.position),
         "LEFT_OF": directed and is_left_of(one.position, other.position),
         "ADJACENT_TO": gap <= DELTA_CHECK,

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import time
 
+import numpy as np
 import pytest
 
 from kb.errors import BadInputError
-from kb.percept import PerceivedObject
+from kb.percept import PerceivedObject, pack_surface
 from kb.switches import Switches
 from kb.vocabulary import Relation
 from tests.percept_fixtures import leaning_plate, percept, thing
@@ -77,6 +78,19 @@ def test_a_flat_thing_in_front_hides_nothing() -> None:
     found = relations(thing("ball", "tennis_ball", 0.45, 0.0), thing("phone", "smartphone", 0.59, 0.0))
     assert ("phone", "OCCLUDES", "ball") not in found
     assert ("phone", "IN_FRONT_OF", "ball") in found
+
+
+def test_only_what_was_seen_of_a_thing_hides() -> None:
+    """The box around a tool is empty above its shaft: with points seen there only, the ball behind stays in sight."""
+    ball = thing("ball", "tennis_ball", 0.45, 0.0)
+    for highest, hides in ((0.12, True), (0.02, False)):
+        across, part = (grid.ravel() for grid in np.meshgrid(np.linspace(-0.05, 0.05, 17), np.linspace(0.0, 1.0, 17)))
+        front = np.column_stack([np.full(len(part), 0.65), across, highest * part])
+        top = np.column_stack([0.53 + 0.12 * part, across, np.full(len(part), highest)])
+        points = np.concatenate([front, top])
+        seen = pack_surface(points, (0.59, 0.0, 0.06))
+        found = relations(ball, thing("box", "box", 0.59, 0.0, surface=seen))
+        assert (("box", "OCCLUDES", "ball") in found) == hides
 
 
 def test_left_and_right_are_the_persons() -> None:

@@ -1,4 +1,8 @@
-"""OCCLUDES: how much of an object's outline another one hides from the front camera (ledger G51)."""
+"""OCCLUDES: how much of an object's outline another one hides from the front camera (ledger G51).
+
+A solid is often wider than the thing: a bar for a tool, a disc for a bowl. So what hides is cut down to where its surface
+was seen.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +20,26 @@ HIDDEN_SHARE = 0.25
 """Share of the outline that must be hidden."""
 GRID = 20
 """Rays per side of the window around the hidden object."""
+SPACING, NARROWEST = 1.25, 0.004
+"""A ray passes a thing if no seen point of it is nearer to the ray than so many times the points' mean spacing, and than
+so much [rad] (4 mm at 1 m): in evenly strewn points a gap that wide is rare."""
+FEWEST_POINTS = 30
+"""With fewer seen points the solid alone tells."""
 
 
-def hides(front: Solid, back: Solid) -> bool:
-    """OCCLUDES: `front` hides at least `HIDDEN_SHARE` of `back` from the front camera."""
-    return hidden_share(front, back) >= HIDDEN_SHARE
+def hides(front: Solid, back: Solid, seen: Array) -> bool:
+    """OCCLUDES: `front`, of whose surface the points `seen` (N, 3) are known, hides `HIDDEN_SHARE` of `back`."""
+    return hidden_share(front, back) >= HIDDEN_SHARE and hidden_share(front, back, seen) >= HIDDEN_SHARE
 
 
-def hidden_share(front: Solid, back: Solid) -> float:
-    """Share of the rays from the front camera to `back` that meet `front` before, in [0, 1]."""
+def hidden_share(front: Solid, back: Solid, points: Array | None = None) -> float:
+    """Share of the rays from the front camera to `back` that meet `front` before, in [0, 1].
+
+    Args:
+        front: What may hide.
+        back: What may be hidden.
+        points: Seen points of the surface of `front` (N, 3) [m]: only rays near to one of them meet it.
+    """
     if not _may_hide(front, back):
         return 0.0
     rays = _window(back)
@@ -32,7 +47,25 @@ def hidden_share(front: Solid, back: Solid) -> float:
     seen = np.isfinite(behind)
     if not seen.any():
         return 0.0
-    return float((first_hit(front, rays[seen]) < behind[seen]).mean())
+    covered = first_hit(front, rays[seen]) < behind[seen]
+    if points is not None and len(points) >= FEWEST_POINTS and covered.any():
+        covered[covered] = _near_points(rays[seen][covered], points)
+    return float(covered.mean())
+
+
+def _near_points(rays: Array, points: Array) -> NDArray[np.bool_]:
+    """Which unit rays (N, 3) from the front camera pass near one of the points (M, 3), shape (N,)."""
+    along = points - np.asarray(EYE)
+    seen = _angles(along / np.linalg.norm(along, axis=1, keepdims=True))
+    width, height = np.ptp(seen, axis=0)
+    reach = max(NARROWEST, SPACING * math.sqrt(width * height / len(points)))
+    apart = _angles(rays)[:, None] - seen[None]
+    return np.asarray((apart**2).sum(axis=2).min(axis=1) <= reach**2)
+
+
+def _angles(rays: Array) -> Array:
+    """Bearing and dip (N, 2) [rad] of unit rays (N, 3) from the front camera."""
+    return np.column_stack([np.arctan2(rays[:, 1], -rays[:, 0]), np.arcsin(rays[:, 2])])
 
 
 def first_hit(solid: Solid, rays: Array) -> Array:
