@@ -25,6 +25,7 @@ import numpy as np
 from kb.percept import Percept
 from kb.rgbd import RgbdView
 from kb.sensing import Sensing
+from sim.world import Still
 from tools.open_world import OpenedWorld, packed
 
 Views = tuple[RgbdView, ...]
@@ -76,8 +77,9 @@ class SharedWorld(OpenedWorld):
     """What the world has gone through; None if that is not known, and then nothing is shared."""
     _snapshots: dict[bytes, bytes]
     _histories: dict[bytes, bytes]
-    _moments: dict[bytes, tuple[bytes, int, bytes, Any]]
-    """Name of a moment of the analytic evaluator -> history, motions, physical state, and what the observer knows."""
+    _moments: dict[bytes, tuple[bytes, int, bytes, Any, Still]]
+    """Name of a moment of the analytic evaluator -> history, motions, physical state, what the observer knows, and the
+    state once more for a quick return."""
     _physics: dict[bytes, bytes]
     _motions: dict[bytes, _Moved]
     _views: dict[bytes, tuple[Views, float]]
@@ -126,7 +128,8 @@ class SharedWorld(OpenedWorld):
         """A name that stands for this moment within this world: writing and packing all of it takes longer than a motion."""
         assert self._history is not None
         name = NAMED + self._history
-        self._moments[name] = self._history, self.motions, self.world.snapshot(), self.observer.kept()
+        world = self.world
+        self._moments[name] = self._history, self.motions, world.snapshot(), self.observer.kept(), world.still()
         return name
 
     def restore(self, blob: bytes) -> None:
@@ -136,8 +139,8 @@ class SharedWorld(OpenedWorld):
             super().restore(blob)
             self._history = self._histories.get(_digest(blob))
             return
-        history, motions, physics, known = moment
-        self.world.restore(physics)
+        history, motions, _, known, still = moment
+        self.world.be_still(still)
         self.world.attempt = motions
         self.observer.recall(known)
         self._history = history

@@ -162,7 +162,7 @@ class AnalyticRobot(Robot):
         data.qvel[:] = 0.0
         if held is not None:
             self._follow(held, before, forward(np.asarray(joints, float)))
-        mujoco.mj_forward(self.world.model, data)
+        self.world.bearings()
 
     def _follow(self, name: str, before: Array, after: Array) -> None:
         """Moves an object as the hand moves from one pose (4, 4) to another."""

@@ -7,6 +7,7 @@ constraint is violated (ledger G15 to G17). Always to be shown beside the physic
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -15,6 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from kb.base import Finite, Noun
+from kb.by_identity import ByIdentity
 from kb.grasp import Grasp, Quality
 from kb.vocabulary import FailureType
 from sim.footprint import geom_points
@@ -76,12 +78,12 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
         return Outcome(gripped=None, failure="UNREACHABLE_POSE", **base)
     movable = [thing for thing in world.placed.objects if not thing.fixed]
     mujoco.mj_kinematics(world.model, world.data)
-    widths = _widths(world, movable, grasp)
+    widths, clearances = _geometry(world, movable, grasp)
     between = [thing for thing in movable if widths[thing.id] > 0.0]
     thing = min(between or movable, key=lambda item: _error(world, item, grasp), default=None)
     if thing is None:
         return Outcome(gripped=None, failure="POSITION_ERROR", **base)
-    clearance = _clearances(world, [other for other in movable if other.id != thing.id], grasp)
+    clearance = clearances(thing)
     supports = tuple(other.id for other in movable if other.id != thing.id and _stands_on(world, other, thing))
     near = min((value for name, value in clearance.items() if name not in supports), default=math.inf)
     table = _above_table(grasp) >= TABLE_ALLOWANCE
@@ -111,6 +113,34 @@ def evaluate(world: World, grasp: Grasp, reach: Any, attempt: int) -> Outcome:
         supports=supports,
         **base,
     )
+
+
+def _geometry(
+    world: World, movable: list[PlacedObject], grasp: Grasp
+) -> tuple[dict[str, float], Callable[[PlacedObject], dict[str, float]]]:
+    """Widths between the pads, and the clearances from all but one thing, each reckoned once for things that lie so.
+
+    Configurations of a trial, and corrections of force or speed, close the hand at the very same place again.
+    """
+    qpos = world.data.qpos
+    lie = b"".join(
+        qpos[address].tobytes() for thing in movable if (address := world.index.objects[thing.id].qpos) is not None
+    )
+    way = grasp.position, grasp.approach, grasp.yaw, grasp.aperture, grasp.standoff, lie
+    kept = _met.get((world.placed,), None, dict[Hashable, Any])
+    if way not in kept:
+        kept[way] = _widths(world, movable, grasp)
+
+    def clearances(thing: PlacedObject) -> dict[str, float]:
+        if (way, thing.id) not in kept:
+            kept[way, thing.id] = _clearances(world, [other for other in movable if other.id != thing.id], grasp)
+        return dict(kept[way, thing.id])
+
+    return kept[way], clearances
+
+
+_met: ByIdentity[dict[Hashable, Any]] = ByIdentity(2)
+"""For the latest scenes: where a hand closed, and how things lay -> what was between the pads and beside its way."""
 
 
 def cloud(world: World, thing: PlacedObject) -> Array:

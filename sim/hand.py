@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -85,11 +86,22 @@ def _distances(x: Array, y: Array, z: Array, aperture: float, standoff: float) -
     dx = np.abs(x)[..., None, :] - _HALF_X
     dy = np.abs(np.abs(y)[..., None, :] - (_BESIDE + _OPENS * aperture)) - _HALF_Y
     dz = np.abs(z[..., None, :] - (_ALONG - TCP_OFFSET - standoff / 2.0)) - (_HALF_Z + standoff / 2.0)
-    inside = np.minimum(np.maximum(np.maximum(dx, dy), dz).min(axis=-2), 0.0)
-    np.maximum(dx, 0.0, out=dx)
-    np.maximum(dy, 0.0, out=dy)
-    np.maximum(dz, 0.0, out=dz)
-    return np.sqrt((dx * dx + dy * dy + dz * dz).min(axis=-2)) + inside
+    return _nearest(dx, dy, dz)
+
+
+def _nearest(dx: Array, dy: Array, dz: Array) -> Array:
+    """Smallest signed distance (..., N) [m] to boxes from how far points are outside of them by side, (..., B, N) each."""
+    out_x, out_y, out_z = np.maximum(dx, 0.0), np.maximum(dy, 0.0), np.maximum(dz, 0.0)
+    out_x *= out_x
+    out_y *= out_y
+    out_z *= out_z
+    out_x += out_y
+    out_x += out_z
+    out = np.sqrt(np.minimum.reduce(out_x, axis=-2))
+    if out.size and not np.minimum.reduce(out, axis=None):
+        # Only what is in a box, or on its face, has a depth.
+        out += np.minimum(np.maximum(np.maximum(dx, dy), dz).min(axis=-2), 0.0)
+    return out
 
 
 def _boxed(centres_halves: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> Array:
@@ -139,7 +151,7 @@ class _Sweep:
         best = _distances(x, y, z, self.aperture, self.standoff)
         if self.lift > 0.0 and len(x):
             # Raising the hand by h is lowering the points by h.
-            heights = np.linspace(0.0, self.lift, math.ceil(self.lift / LIFT_STEP) + 1)[1:, None]
+            heights = _heights(self.lift)
             up = self.up
             raised = _distances(x - heights * up[0], y - heights * up[1], z - heights * up[2], self.aperture, 0.0)
             np.minimum(best, raised.min(axis=0), out=best)
@@ -151,20 +163,21 @@ class _Sweep:
         z_low, z_high = _AROUND_Z - TCP_OFFSET
         x, y, z = np.abs(self.x), np.abs(self.y), self.z
         dy = np.maximum(y_low - y, y - y_high)
-        out = _outside(x - _AROUND_X, dy, np.maximum(z_low - self.standoff - z, z - z_high))
+        out = _nearest(x - _AROUND_X, dy, np.maximum(z_low - self.standoff - z, z - z_high))
         if self.lift > 0.0:
             by_x, by_y, by_z = (self.lift * value for value in self.up.tolist())
             dx = np.maximum(min(0.0, by_x) - self.x, self.x - max(0.0, by_x)) - _AROUND_X
             dz = np.maximum(z_low + min(0.0, by_z) - z, z - (z_high + max(0.0, by_z)))
-            np.minimum(out, _outside(dx, dy - abs(by_y), dz), out=out)
+            np.minimum(out, _nearest(dx, dy - abs(by_y), dz), out=out)
         return out
 
 
-def _outside(dx: Array, dy: Array, dz: Array) -> Array:
-    """Smallest signed distance (N,) [m] to boxes from how far points are outside of them by side, (B, N) each."""
-    inside = np.minimum(np.maximum(np.maximum(dx, dy), dz).min(axis=0), 0.0)
-    dx, dy, dz = np.maximum(dx, 0.0), np.maximum(dy, 0.0), np.maximum(dz, 0.0)
-    return np.sqrt((dx * dx + dy * dy + dz * dz).min(axis=0)) + inside
+@lru_cache(maxsize=64)
+def _heights(lift: float) -> Array:
+    """Heights of the lifted hand that are checked [m], shape (H, 1)."""
+    heights = np.linspace(0.0, lift, math.ceil(lift / LIFT_STEP) + 1)[1:, None]
+    heights.setflags(write=False)
+    return heights
 
 
 def _least(sweep: _Sweep) -> float:
@@ -176,7 +189,7 @@ def _least(sweep: _Sweep) -> float:
         return float(sweep.distances().min())
     bounds = sweep.bounds()
     first = np.argpartition(bounds, FEW // 2)[: FEW // 2]
-    least = float(sweep.distances(first).min())
+    least = float(np.minimum.reduce(sweep.distances(first)))
     rest = bounds < least + ROUNDING
     rest[first] = False
     return min(least, float(sweep.distances(rest).min())) if rest.any() else least

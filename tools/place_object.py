@@ -145,11 +145,20 @@ def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
         load=np.asarray(load_points(args.object, args.held)),
         has_arm=bool(getattr(context.robot, "has_arm", True)),
     )
+    options, looked = _options(args), list[SetDown]()
     for care, limit in _cares(args):
-        for option in islice(_options(args), limit):
+        for option in _first(options, looked, limit):
             if feasible(option, scene, care):
                 return option
     return None
+
+
+def _first(options: Iterator[SetDown], looked: list[SetDown], limit: int) -> Iterator[SetDown]:
+    """The first `limit` options: those that were looked at with another care, and then new ones."""
+    yield from looked[:limit]
+    for option in islice(options, max(0, limit - len(looked))):
+        looked.append(option)
+        yield option
 
 
 def _cares(args: PlaceArgs) -> tuple[tuple[Care, int], ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -14,12 +14,13 @@ from kb.grasp import Grasp
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan
 from sim.carry_path import GENTLE, STAGES, way_down
-from sim.hand import TCP_OFFSET, swept_count
+from sim.hand import TCP_OFFSET
 from sim.kinematics import forward
 from sim.motion import CARRIED_RADIUS, Obstacle
 from sim.place_motion import RETREAT, way_back
 from tools.planning.arm_clearance import path_clearance
 from tools.planning.candidate import Array, vec3
+from tools.planning.hand_out import meets
 from tools.planning.outline import clear_case, outline, rectangle_gap
 from tools.planning.surroundings import completed
 
@@ -27,8 +28,6 @@ TABLE_X, TABLE_Y = (0.31, 0.74), (-0.34, 0.34)
 """Where footprints' centres may stand: the table (ledger G40) less a margin [m]."""
 GAP = 0.03
 """Distance kept between what is set down and what stands there [m]."""
-HAND_GAP = 0.006
-"""Distance that the hand keeps from everything while it sets down [m]."""
 TURNS = tuple(math.radians(a) for a in (0, 20, -20, 45, -45, 70, -70, 95, -95, 130, -130, 180))
 """Turns of the held object about the vertical that are tried [rad]."""
 DROP = 0.004
@@ -203,6 +202,10 @@ class Scene:
     """Points of what is held in the hand frame (P, 3) [m]."""
     has_arm: bool = True
     """Whether the links take up room; without, the hand's own clearance decides."""
+    met: dict[tuple[object, ...], bool] = field(
+        default_factory=dict[tuple[object, ...], bool], compare=False, repr=False
+    )
+    """Ways of the hand that were looked at -> whether it meets something there."""
 
 
 def feasible(option: SetDown, scene: Scene, care: Care) -> bool:
@@ -222,7 +225,7 @@ def feasible(option: SetDown, scene: Scene, care: Care) -> bool:
         type=grasp.type,
         standoff=RETREAT if careful else 0.02,
     )
-    if len(scene.points_w) and swept_count(pose, scene.points_w, HAND_GAP, lift=0.12):
+    if meets(pose, scene.points_w, scene.met):
         return False
     if not scene.has_arm:
         return True
