@@ -21,6 +21,8 @@ STEPS = 8
 """Stretches of the test lift."""
 SLOWLY = 1.5
 """The test lift takes this many times as long as the same height otherwise."""
+WEAK_GRIP, MORE_SLOWLY = 4.0, 3.0
+"""What bears no more than this [N] is thin glass, and lifted this slowly: a jerk presses it with twice the grip."""
 SETTLE_S = 0.02
 """Time in which the fingers follow a changed force [s]."""
 UPPER = 0.8
@@ -51,7 +53,7 @@ def trial_lift(motion: MotionRun, way: Array, force: float, most: float, speed: 
     Returns:
         The force with which the hand now holds [N].
     """
-    samples = along(way, SLOWLY * approach_time(height, speed))
+    samples = along(way, (MORE_SLOWLY if most <= WEAK_GRIP else SLOWLY) * approach_time(height, speed))
     before = way[0]
     # One smooth motion: stopping between the steps would shake loose what is barely held.
     for stretch in np.array_split(samples, STEPS):

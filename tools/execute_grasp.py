@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from kb.base import Noun
 from kb.errors import BadInputError
+from kb.grasp import MIN_FORCE
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
 from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.hand import TIP_BEYOND_TCP
 from sim.quality import maximum_force
 from tools.context import ToolContext
-from tools.planning.force_choice import force_cap
+from tools.planning.force_choice import DAMAGE_SPREAD, force_cap
 from tools.planning.lift_height import lift_height
 from tools.planning.obstacles import obstacles
 
@@ -22,6 +23,8 @@ STEEP = 0.7
 """Cosine to straight down up to which an approach comes from above."""
 LEAST_CREEP, MOST_CREEP, SEEN_EARLY = 0.015, 0.040, 0.008
 """Limits of the slow stretch, and how much earlier than the perceived upper side it begins [m]."""
+LIFT_PEAK = 0.87
+"""Share of the damage force that a grip raised during the test lift may take: lifting and shaking press a seventh more."""
 
 
 class ExecuteArgs(Noun):
@@ -88,6 +91,9 @@ def trial_lift_cap(target: PerceivedObject, region: str = "body") -> float | Non
     if part is not None and part.outward is not None:
         return None
     middle = target.affordance.fragility if target.fragility_range is None else sum(target.fragility_range) / 2
+    if region == "stem" and target.fragility_range is not None:
+        # Whatever has a stem is thin glass: what the weakest one bears is the limit.
+        return max(MIN_FORCE, LIFT_PEAK * DAMAGE_SPREAD * maximum_force(target.fragility_range[1]))
     return force_cap(max(target.affordance.fragility, middle))
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kb.references import References
 from kb.vocabulary import UNKNOWN_CATEGORY
@@ -19,6 +18,7 @@ from tools.perception.classify import Judgement, classify
 from tools.perception.contents import is_inside
 from tools.perception.features import colour_features, features
 from tools.perception.join_clusters import join_clusters
+from tools.perception.limb import is_limb, nearest
 from tools.perception.look import Look
 from tools.perception.measure import Measured, measure
 from tools.perception.one_thing import continues, is_part_of
@@ -314,10 +314,13 @@ class Merger:
 def _swallows(big: Candidate, small: Candidate) -> bool:
     """The small one's points are a few of the big one's own that did not link up with the rest."""
     xyz, holder = small.measured.blob.xyz, big.measured
+    strange = not (big.known or small.known)
+    if strange and small.under is None and is_limb(small.measured.blob, holder.blob):
+        return True
     if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known or big.under in small.measured.blob.pieces:
         return False
     tiny = float(np.ptp(xyz, axis=0).max()) < LIMB and small.under is None
-    if tiny and not big.known and _nearest(xyz, holder.blob.xyz) < LIMB:
+    if tiny and not big.known and nearest(xyz, holder.blob.xyz, LIMB) < LIMB:
         return True
     if holder.is_round or holder.is_ball:
         offset = xyz[:, :2] - holder.centre
@@ -325,11 +328,3 @@ def _swallows(big: Candidate, small: Candidate) -> bool:
     else:
         inside = np.all(np.abs(holder.box.local(xyz)[:, :2]) < holder.box.size[:2] / 2 + 0.004, axis=1)
     return bool(np.mean(inside & (xyz[:, 2] < holder.top + 0.003)) > 0.85)
-
-
-def _nearest(few: NDArray[np.float64], many: NDArray[np.float64]) -> float:
-    """Smallest distance between points (N, 3) and (M, 3) [m]."""
-    near = many[np.all((many > few.min(axis=0) - LIMB) & (many < few.max(axis=0) + LIMB), axis=1)]
-    if not len(near):
-        return float("inf")
-    return float(np.sqrt(min(((near - point) ** 2).sum(axis=1).min() for point in few)))

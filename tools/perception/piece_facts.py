@@ -70,10 +70,8 @@ class PieceFacts:
         return self._spans[group]
 
     def same_hue(self, a: int, b: int) -> bool:
-        one, two = self.hue(a), self.hue(b)
-        reach = max(0.026, 0.012 / float(np.exp(min(one[2], two[2]))))  # dark colours are noisy
-        near = np.hypot(*(one - two)[:2]) < reach and abs(one[2] - two[2]) < BRIGHTNESS_RADIUS / 2
-        return bool(near) and max(self.blob((piece,)).lost() for piece in (a, b)) < CLEAR_LOSS
+        clear = max(self.blob((piece,)).lost() for piece in (a, b))
+        return same_colour(self.hue(a), self.hue(b)) and clear < CLEAR_LOSS
 
     def hue(self, piece: int) -> Array:
         if piece not in self._hues:
@@ -102,3 +100,9 @@ class PieceFacts:
 def gap(one: Span, two: Span) -> float:
     """Free distance of two groups' bounding rectangles seen from above [m], negative if they overlap."""
     return float(np.max(np.maximum(one.low[:2], two.low[:2]) - np.minimum(one.high[:2], two.high[:2])))
+
+
+def same_colour(one: Array, two: Array) -> bool:
+    """Whether two chromaticities (3,) are one colour under uneven light."""
+    reach = max(0.026, 0.012 / float(np.exp(min(one[2], two[2]))))  # dark colours are noisy
+    return bool(np.hypot(*(one - two)[:2]) < reach and abs(one[2] - two[2]) < BRIGHTNESS_RADIUS / 2)

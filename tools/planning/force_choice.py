@@ -167,10 +167,14 @@ def expected_mass(subject: PerceivedObject) -> float:
 
 
 def first_force(subject: PerceivedObject) -> float | None:
-    """Force [N] that the most fragile plausible reading of an unknown object bears; None for known ones."""
+    """Force [N] that the most fragile plausible reading of an unknown object bears; None for known ones.
+
+    What has a stem weighs as little as it bears, so it gets no least force: 3 N hold a flute of glass.
+    """
     if subject.fragility_range is None:
         return None
-    return max(LEAST_FORCE, force_cap(subject.fragility_range[1]))
+    bears = force_cap(subject.fragility_range[1])
+    return bears if subject.affordance.region == "stem" else max(LEAST_FORCE, bears)
 
 
 def weight_centre(subject: PerceivedObject) -> tuple[float, float]:

@@ -124,3 +124,21 @@ def test_the_hand_leans_with_the_wall_of_a_plate() -> None:
         if (rim := thing.part("rim")) is not None
     ]
     assert np.degrees(tilts) == pytest.approx([40.0, 25.0], abs=0.5)
+
+
+@pytest.mark.parametrize("seed", [14_106, 14_109, 14_112])
+def test_a_foot_apart_from_its_body_is_no_thing_of_its_own(seed: int) -> None:
+    """A plush animal of which the pictures show one foot apart is one object, as high as it sits."""
+    assert seen("plush_toy", seed).size[2] > 0.08
+
+
+def test_what_has_a_stem_is_held_with_what_the_weakest_glass_bears() -> None:
+    """Fingers close on an unknown stem below three quarters of the least damage force of glass, 4 N, and never press more
+    than that, while what is transparent and has no stem may weigh more and be gripped harder."""
+    flute, jar = seen("champagne_flute", 14_120), seen("spice_jar")
+    assert flute.affordance.region == "stem"
+    first, most = first_force(flute), trial_lift_cap(flute, "stem")
+    assert first is not None
+    assert most is not None
+    assert first < 0.77 * 4.0 < most < 4.0
+    assert (trial_lift_cap(jar) or 0.0) > 4.0
