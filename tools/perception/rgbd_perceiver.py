@@ -51,6 +51,9 @@ WIDEST_HANDLE = 0.040
 FOAMY = 2.0
 """Density of the lightest things that one expects over that of the lightest foam."""
 
+DENT = 0.15
+"""A hollow as shallow as this share of a strange thing's height, all of one colour, is its shape and not what fills it."""
+
 SOLIDITY = 0.8
 """Share of hull area times height that an unknown object is taken to fill, for its mass."""
 
@@ -149,6 +152,9 @@ def _state(item: Candidate, measured: Measured, parts: tuple[Part, ...]) -> Obje
     shallow = measured.top - measured.base < measured.radius
     if shallow and item.judgement.category == UNKNOWN_CATEGORY and not item.contents and item.under is None:
         return "empty"  # how deep a plate or a strange bowl ought to be is not known
+    dent = measured.hollow < DENT and item.judgement.category == UNKNOWN_CATEGORY
+    if dent and not item.contents and item.under is None:
+        return "empty"
     return state_of(
         measured,
         parts,

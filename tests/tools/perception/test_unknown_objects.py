@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from sim.scene_file import load_scene
 from sim.world import World
 from tools.execute_grasp import trial_lift_cap
 from tools.perceive import PerceiveArgs
+from tools.perception import rgbd_perceiver
 from tools.perception.rgbd_perceiver import RgbdPerceiver
 from tools.planning.force_choice import first_force, force_cap
 from tools.planning.rim_candidates import rim_candidates
@@ -142,3 +144,19 @@ def test_what_has_a_stem_is_held_with_what_the_weakest_glass_bears() -> None:
     assert most is not None
     assert first < 0.77 * 4.0 < most < 4.0
     assert (trial_lift_cap(jar) or 0.0) > 4.0
+
+
+def test_a_dent_in_a_strange_thing_is_no_filling() -> None:
+    """A tall strange thing with a hollow of a tenth of its height in its own colour is empty; with something of another
+    colour in it, or with a floor in a third of its depth, it counts as filled, and is not tilted."""
+
+    def state(hollow: float, contents: tuple[int, ...] = ()) -> str:
+        thing = SimpleNamespace(hollow=hollow, top=0.14, base=0.0, radius=0.022)
+        item = SimpleNamespace(
+            judgement=SimpleNamespace(category=UNKNOWN_CATEGORY), contents=contents, under=None, holds=False
+        )
+        return rgbd_perceiver._state(item, thing, ())  # pyright: ignore[reportPrivateUsage, reportArgumentType]
+
+    assert state(0.1) == "empty"
+    assert state(0.1, contents=(1,)) == "filled"
+    assert state(0.35) == "filled"
