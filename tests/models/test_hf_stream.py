@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import threading
 from pathlib import Path
 from typing import Any
@@ -145,3 +146,26 @@ def test_the_chat_model_of_langchain_streams_chunks(folder: Path) -> None:
         model.invoke(messages, stop=["x"])
     with pytest.raises(BadInputError, match="type 'ai'"):
         model.invoke([AIMessage("I")])
+
+
+def test_a_whole_reply_is_heard_while_it_is_made(folder: Path) -> None:
+    """Whoever listens to `reply` is told all of it so far after each token that adds to it, the whole in the end, and the
+    reply is the one of which nobody heard anything."""
+    from dataclasses import replace
+
+    from agent.brains.hf_chat import open_hf_chat
+    from agent.brains.replies import ThinkReply
+
+    chat = open_hf_chat(f"{folder}?weights=fp32")
+    prompt, heard = asked(ThinkReply), list[str]()
+    unfinished: list[bool] = []
+
+    def hear(text: str) -> None:
+        heard.append(text)
+        unfinished.append(chat.pace.total_s == 0.0)
+
+    assert chat.reply(replace(prompt, hear=hear)) == chat.reply(prompt)
+    assert len(heard) > 5
+    assert all(unfinished[:-1])
+    assert all(after.startswith(before) and after != before for before, after in itertools.pairwise(heard))
+    assert heard[-1] == chat.reply(prompt).text
