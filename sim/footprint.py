@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -110,7 +112,7 @@ def _overlap(one: Array, two: Array) -> float:
     """Smallest overlap over all edge normals of both outlines; <= 0 if some line separates them."""
     edges = np.vstack([np.roll(one, -1, axis=0) - one, np.roll(two, -1, axis=0) - two])
     normals = np.column_stack([edges[:, 1], -edges[:, 0]])
-    lengths = np.linalg.norm(normals, axis=1)
+    lengths = np.sqrt(normals[:, 0] * normals[:, 0] + normals[:, 1] * normals[:, 1])
     normals = normals[lengths > 1e-12] / lengths[lengths > 1e-12, None]
     a, b = one @ normals.T, two @ normals.T
     return float(np.minimum(a.max(0) - b.min(0), b.max(0) - a.min(0)).min())
@@ -118,8 +120,10 @@ def _overlap(one: Array, two: Array) -> float:
 
 def _nearest(points: Array, polygon: Array) -> float:
     """Smallest distance of points (N, 2) from the edges of a polygon (M, 2)."""
-    start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
-    length = np.maximum((edge**2).sum(1), 1e-18)
-    along = ((points[:, None] - start) * edge).sum(-1) / length
-    foot = start + np.clip(along, 0.0, 1.0)[..., None] * edge
-    return float(np.linalg.norm(points[:, None] - foot, axis=-1).min())
+    # Written out by coordinate: numpy takes long for sums over two numbers.
+    (x, y), (start_x, start_y) = points.T[:, :, None], polygon.T
+    edge_x, edge_y = (np.roll(polygon, -1, axis=0) - polygon).T
+    length = np.maximum(edge_x * edge_x + edge_y * edge_y, 1e-18)
+    share = np.clip(((x - start_x) * edge_x + (y - start_y) * edge_y) / length, 0.0, 1.0)
+    off_x, off_y = x - (start_x + share * edge_x), y - (start_y + share * edge_y)
+    return math.sqrt((off_x * off_x + off_y * off_y).min())

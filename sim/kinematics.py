@@ -137,7 +137,7 @@ def pose_error(wanted: Array, actual: Array) -> Array:
     """Error twist (6,): position [m] and rotation vector [rad] that move `actual` onto `wanted`."""
     turn = wanted[:3, :3] @ actual[:3, :3].T
     axis = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    sine, cosine = float(np.linalg.norm(axis)) / 2.0, (float(np.trace(turn)) - 1.0) / 2.0
+    sine, cosine = math.sqrt(axis.dot(axis)) / 2.0, (float(np.trace(turn)) - 1.0) / 2.0
     angle = math.atan2(sine, cosine)
     scale = 0.5 if sine < 1e-9 else angle / (2.0 * sine)
     return np.concatenate([wanted[:3, 3] - actual[:3, 3], scale * axis])
@@ -169,4 +169,4 @@ def refine(pose: Array, start: Array, *, steps: int = 30, damping: float = 0.02)
 
 
 def _norm(error: Array) -> float:
-    return float(np.linalg.norm(error[:3]) + 0.1 * np.linalg.norm(error[3:]))
+    return math.sqrt(error[:3].dot(error[:3])) + 0.1 * math.sqrt(error[3:].dot(error[3:]))

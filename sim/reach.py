@@ -247,16 +247,20 @@ def descents(pose: Array, start: Array, height: float, below: float) -> Iterator
                 return
 
 
+_APPROACH_SHARES, _LIFT_SHARES = np.linspace(0, 1, APPROACH_KNOTS)[:, None], np.linspace(0, 1, LIFT_KNOTS)[:, None]
+_UP = np.array([0.0, 0.0, 1.0])
+
+
 def _follow(grasp: Grasp, pose: Array, joints: Array, cost: float, lift: float) -> Reach | str:
     """The whole motion through one configuration, or the part that fails."""
     direction = np.asarray(grasp.approach) / np.linalg.norm(grasp.approach)
-    back = line_any(pose, -grasp.standoff * np.linspace(0, 1, APPROACH_KNOTS)[:, None] * direction, joints)
+    back = line_any(pose, -grasp.standoff * _APPROACH_SHARES * direction, joints)
     if back is None:
         return "approach"
-    up = line_any(pose, lift * np.linspace(0, 1, LIFT_KNOTS)[:, None] * np.array([0.0, 0.0, 1.0]), joints)
+    up = line_any(pose, lift * _LIFT_SHARES * _UP, joints)
     if up is None:
         return "lift"
-    if table_clearance(back[[0, APPROACH_KNOTS // 2, -1]]) < LINK_CLEARANCE or table_clearance(up[:1]) < LINK_CLEARANCE:
+    if table_clearance(np.concatenate([back[[0, APPROACH_KNOTS // 2, -1]], up[:1]])) < LINK_CLEARANCE:
         return "table"
     residual = float(np.linalg.norm(forward(joints)[:3, 3] - pose[:3, 3]))
     return Reach(joints, back[::-1].copy(), up, lift, cost, residual)

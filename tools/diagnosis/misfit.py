@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from kb.by_identity import ByIdentity
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.vocabulary import FailureType
@@ -32,6 +33,21 @@ def first_contact(grasp: Grasp, points_w: Array, touch: float = TOUCH) -> float 
 
     The end itself is 0; the larger, the earlier.
     """
+    if points_w.flags.writeable:
+        return _first_contact(grasp, points_w, touch)
+    # Points that nobody can change are shared: other configurations of a trial ask for the same.
+    kept = _contacts.get((points_w,), None, dict[tuple[object, ...], float | None])
+    way = grasp.position, grasp.approach, grasp.yaw, grasp.aperture, grasp.standoff, touch
+    if way not in kept:
+        kept[way] = _first_contact(grasp, points_w, touch)
+    return kept[way]
+
+
+_contacts: ByIdentity[dict[tuple[object, ...], float | None]] = ByIdentity(32)
+"""Points -> way of the hand -> where it first met them."""
+
+
+def _first_contact(grasp: Grasp, points_w: Array, touch: float) -> float | None:
     near = points_w[np.linalg.norm(points_w - np.asarray(grasp.position), axis=1) < 0.3] if len(points_w) else points_w
     if len(near) < 4:
         return None

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from kb.grasp import Grasp
-from sim.hand import swept_count
+from sim.hand import HAND_RADIUS, swept_count
 from tools.planning.candidate import Array
 
 HAND_LIFT = 0.12
@@ -30,5 +32,13 @@ def meets(pose: Grasp, points_w: Array, met: dict[tuple[object, ...], bool]) -> 
     way = pose.position, pose.approach, pose.yaw, pose.aperture, 0.0 if straight else pose.standoff
     known = met.get(way)
     if known is None:
-        known = met[way] = swept_count(pose, points_w, HAND_GAP, lift=HAND_LIFT) > 0
+        near = _near(pose, points_w)
+        known = met[way] = len(near) > 0 and swept_count(pose, near, HAND_GAP, lift=HAND_LIFT) > 0
     return known
+
+
+def _near(pose: Grasp, points_w: Array) -> Array:
+    """The points (M, 3) that the hand can come near at all on its way [m]."""
+    offset = points_w - np.asarray(pose.position)
+    reach = HAND_RADIUS + max(pose.standoff, HAND_LIFT) + 2.0 * HAND_GAP
+    return points_w[np.einsum("ij,ij->i", offset, offset) < reach * reach]
