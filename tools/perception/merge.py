@@ -7,18 +7,19 @@ could stand by itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from kb.references import References
 from kb.vocabulary import UNKNOWN_CATEGORY
-from tools.perception.blob import CLEAR_LOSS, HIDDEN
+from tools.perception.blob import CLEAR_LOSS, HIDDEN, Blob
+from tools.perception.candidate import Candidate, swallows
 from tools.perception.classify import Judgement, classify
 from tools.perception.contents import is_inside
+from tools.perception.cut_by_shape import best_cut
 from tools.perception.features import colour_features, features
 from tools.perception.join_clusters import join_clusters
-from tools.perception.limb import is_limb, nearest
 from tools.perception.look import Look
 from tools.perception.measure import Measured, measure
 from tools.perception.one_thing import continues, is_part_of
@@ -67,39 +68,11 @@ FOOT_ON_TABLE = 0.0065
 OVERLAP = 0.25
 """What stands on something overlaps it by this share of its width at least, seen from above."""
 
-LIMB = 0.025
-"""A splinter smaller than this and nearer than this to a strange thing [m] is a limb whose root is hidden: a foot, a knob."""
-
-SPLINTER = 0.06
-"""Strange things with a smaller share of another one's points, and inside it, are pieces of it."""
-
 HAZE_RADIUS = 0.05
 """Distance in chromaticity up to which something may be the slanted side of glass next to it."""
 
 MOST_PIECES = 7
 """Of a cluster with more pieces only the largest are told apart."""
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A set of pieces read as one object."""
-
-    measured: Measured
-    judgement: Judgement
-    cost: float
-    contents: tuple[int, ...] = ()
-    """Pieces seen inside its rim."""
-    under: int | None = None
-    """A piece that it stands on."""
-    holds: bool = False
-    """Something stands on it or in it."""
-    hangs: bool = False
-    """It would hang in the air if it were an object by itself."""
-
-    @property
-    def known(self) -> bool:
-        """Some category fits it."""
-        return self.judgement.category != UNKNOWN_CATEGORY
 
 
 class Merger:
@@ -116,7 +89,7 @@ class Merger:
         found: list[Candidate] = []
         for pieces in join_clusters(self._facts):
             found += self._read(pieces)
-        return [item for item in found if not any(_swallows(other, item) for other in found if other is not item)]
+        return [item for item in found if not any(swallows(other, item) for other in found if other is not item)]
 
     def _read(self, pieces: list[int]) -> list[Candidate]:
         """The cheapest reading of one cluster: pairs of touching groups are merged while that saves cost."""
@@ -130,11 +103,28 @@ class Merger:
         if hazy != groups:
             readings.append(self._merged(hazy))
         best = min(readings, key=lambda reading: sum(self._candidate(group, reading).cost for group in reading))
+        best = self._cut(best, set(contents.values()))
         result: list[Candidate] = []
         for group in best:
             inside = tuple(piece for piece, holder in contents.items() if holder in group)
             result.append(self._candidate(group, best, inside))
         return result
+
+    def _cut(self, groups: list[tuple[int, ...]], holders: set[int]) -> list[tuple[int, ...]]:
+        """The groups, with each cut that two shapes explain clearly better than one."""
+        result: list[tuple[int, ...]] = []
+        for group in groups:
+            item = self._candidate(group, groups)
+            alone = not (item.holds or item.under is not None or holders & set(group))
+            part = best_cut(item.measured, item.judgement, self._judged) if alone else None
+            result += [group] if part is None else self._facts.split(group, part)
+        return result
+
+    def _judged(self, blob: Blob, support: float, load: Measured | None) -> tuple[Measured, Judgement]:
+        """A blob measured by itself, and what it is."""
+        measured = measure(blob, support, load)
+        shape, colour = features(measured), colour_features(measured)
+        return measured, classify(shape, colour, self._references, self._nouns, self._facts.look.noise)
 
     def _merged(self, groups: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
         """Merges the pair that saves most cost until no pair saves any."""
@@ -248,9 +238,7 @@ class Merger:
                 blob = replace(blob, low=np.concatenate([blob.low, inner.xyz[inner.from_top]]))
             nested = carried is not None and self._facts.nested(carried, group)
             load = None if carried is None or nested else self._candidate(carried, [group]).measured
-            measured = measure(blob, support, load)
-            shape, colour = features(measured), colour_features(measured)
-            judgement = classify(shape, colour, self._references, self._nouns, self._facts.look.noise)
+            measured, judgement = self._judged(blob, support, load)
             unknown = judgement.posterior.get(UNKNOWN_CATEGORY, 0.0)
             lowest = self._facts.span(group).foot
             hangs = lowest - support > HANGING + 0.35 * (measured.top - support)
@@ -309,22 +297,3 @@ class Merger:
                     inside[group[0]] = other[0]
                     break
         return inside
-
-
-def _swallows(big: Candidate, small: Candidate) -> bool:
-    """The small one's points are a few of the big one's own that did not link up with the rest."""
-    xyz, holder = small.measured.blob.xyz, big.measured
-    strange = not (big.known or small.known)
-    if strange and small.under is None and is_limb(small.measured.blob, holder.blob):
-        return True
-    if len(xyz) > SPLINTER * len(holder.blob.xyz) or small.known or big.under in small.measured.blob.pieces:
-        return False
-    tiny = float(np.ptp(xyz, axis=0).max()) < LIMB and small.under is None
-    if tiny and not big.known and nearest(xyz, holder.blob.xyz, LIMB) < LIMB:
-        return True
-    if holder.is_round or holder.is_ball:
-        offset = xyz[:, :2] - holder.centre
-        inside = np.hypot(offset[:, 0], offset[:, 1]) < holder.radius + 0.004
-    else:
-        inside = np.all(np.abs(holder.box.local(xyz)[:, :2]) < holder.box.size[:2] / 2 + 0.004, axis=1)
-    return bool(np.mean(inside & (xyz[:, 2] < holder.top + 0.003)) > 0.85)

@@ -83,6 +83,21 @@ class PieceFacts:
             self._blobs[group] = self.look.maker.blob(group)
         return self._blobs[group]
 
+    def split(self, group: tuple[int, ...], part: NDArray[np.bool_]) -> list[tuple[int, ...]]:
+        """Makes two groups of one by a mask (N,) over its points; every piece gets new numbers on both sides."""
+        label = self.look.maker.label.copy()
+        chosen = np.flatnonzero(np.isin(label, group))
+        fresh = int(label.max()) + 1
+        sides: list[tuple[int, ...]] = []
+        for side in (part, ~part):
+            mine = chosen[side]
+            names, place = np.unique(label[mine], return_inverse=True)
+            label[mine] = fresh + place.reshape(-1)
+            sides.append(tuple(range(fresh, fresh + len(names))))
+            fresh += len(names)
+        self.look = replace(self.look, maker=replace(self.look.maker, label=label))
+        return sides
+
     def nested(self, group: tuple[int, ...], other: tuple[int, ...]) -> bool:
         """The group stands in the hollow of the other one and looks out of it."""
         mine, around = self.span(group), self.span(other)
