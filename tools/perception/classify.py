@@ -20,6 +20,11 @@ Array = NDArray[np.float64]
 NOUN_FACTOR = 3.0
 """How much more probable a category becomes because the instruction speaks of it: enough to tip even scales."""
 
+UNFIT = 0.01
+"""A category whose shape is this many times less probable than the best one's is not considered."""
+STRANGE_COLOUR = 16.3
+"""Squared Mahalanobis distance that one colour in a thousand of a category exceeds (chi squared, three degrees)."""
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -41,7 +46,7 @@ def classify(
     A picture with `noise` times the ordinary noise spreads what is measured that much more about each category.
     """
     square, log_likelihood = (value / noise**2 for value in distances(geometry, references))
-    log_colour = colour_log_likelihood(colour, references)
+    log_colour = colour_evidence(colour, references, log_likelihood / references.temperature)
     score = (log_likelihood + references.colour_weight * log_colour) / references.temperature
     score = score + np.log(NOUN_FACTOR) * np.array([name in nouns for name in references.categories])
     share = np.exp(score - score.max())
@@ -72,6 +77,19 @@ def colour_log_likelihood(colour: Array, references: References) -> Array:
     offset = colour - references.colour_mean
     square = np.einsum("ci,cij,cj->c", offset, references.colour_precision, offset)
     return -0.5 * (square + references.colour_log_det)
+
+
+def colour_evidence(colour: Array, references: References, score: Array) -> Array:
+    """`colour_log_likelihood`, or nothing where the colour is strange for every category that the shape fits.
+
+    Which of two implausible colours is the less implausible says nothing: a brown ball is no apple for not being yellow.
+    """
+    fits = score > score.max() + np.log(UNFIT)
+    offset = colour - references.colour_mean
+    square = np.einsum("ci,cij,cj->c", offset, references.colour_precision, offset)
+    if float(square[fits].min()) > STRANGE_COLOUR:
+        return np.zeros(len(square))
+    return colour_log_likelihood(colour, references)
 
 
 def novelty(square: Array, count: int) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kb.references import load_references
-from tools.perception.classify import classify
+from tools.perception.classify import STRANGE_COLOUR, classify, colour_evidence
 from tools.perception.colour import colour_name
 from tools.perception.features import FEATURES
 
@@ -36,6 +36,22 @@ def test_what_is_far_from_everything_is_unknown() -> None:
     judged = classify(references.mean[0] + 10 * spread, references.colour_mean[0], references)
     assert judged.category == "unknown"
     assert judged.confidence > 0.9
+
+
+def test_a_colour_that_fits_nothing_of_that_shape_says_nothing() -> None:
+    """A dark blue ball is neither an apple nor a tennis ball for its colour: no category gains by being the less strange one,
+    while the colour of an apple still counts for apples."""
+    references = load_references()
+    apple, ball = (references.categories.index(name) for name in ("apple", "tennis_ball"))
+    score = np.full(len(references.categories), -100.0)
+    score[[apple, ball]] = 0.0
+    blue = np.array([0.10, 0.15, -0.5])
+    offset = blue - references.colour_mean
+    square = np.einsum("ci,cij,cj->c", offset, references.colour_precision, offset)
+    assert square[[apple, ball]].min() > STRANGE_COLOUR
+    assert not colour_evidence(blue, references, score).any()
+    green = colour_evidence(references.colour_mean[apple], references, score)
+    assert green[apple] != 0.0
 
 
 def test_a_noun_tips_even_scales_only() -> None:
