@@ -157,9 +157,9 @@ class Saying(BaseStep):
 
 
 class Refused(BaseStep):
-    """A reply that did not pass the gate; the model is told why."""
+    """A reply that did not pass the gate; the model is told why. (A command that cannot be used is `agent.chat.events.Refused`.)"""
 
-    kind: Literal["refused"] = "refused"
+    kind: Literal["reply_refused"] = "reply_refused"
     role: str
     reason: str
     count: int = 1

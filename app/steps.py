@@ -28,7 +28,7 @@ LABELS: dict[str, tuple[str, str]] = {
     "reflection": ("Reflection", "bold magenta"),
     "remembered": ("Memory", "blue"),
     "model_call": ("Model", "dim"),
-    "refused": ("Refused", "yellow"),
+    "reply_refused": ("Refused", "yellow"),
     "fallback": ("Rules", "bold yellow"),
     "named": ("Named", "cyan"),
     "sub_goal": ("First", "bold"),

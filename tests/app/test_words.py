@@ -86,3 +86,23 @@ def test_chat_keeps_words_for_its_prompt_until_the_next_step() -> None:
     assert told == ["It", "It stands"]
     printer.show(Thought(text="It stands."))
     assert printer.words == ""
+
+
+def test_chat_goes_on_after_refused_replies(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A reply that the gate refuses is a step of the conversation and not a command gone wrong: the rules finish, the exit
+    code is that of the outcome."""
+    monkeypatch.setenv("OPENAI_API_KEY", "sk-none")
+    monkeypatch.setattr("sys.stdin", io.StringIO("kindly hoist that cube skyward, dear machine\npick up the cube\n"))
+    with fault_server(("by_role", GOOD | {"think": think(thought="Hard.", force_n=70), "understand": "{}"})) as server:
+        arguments = [
+            "chat", "--scene", "single_cube", "--seed", "10001", "--evaluator", "analytic", "--brain", "openai:good",
+            "--base-url", server.url,
+        ]  # fmt: skip
+        code = run_command_line(arguments)
+    out = capsys.readouterr().out
+    assert code == 1  # the first line is beyond the rules
+    assert out.count("Refused      Refused (understand)") == 8
+    assert out.count("Refused      Refused (think)") == 4
+    assert "Answer       I hold the cube" in out

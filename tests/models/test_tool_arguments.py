@@ -122,7 +122,7 @@ def test_what_the_model_writes_is_what_the_tool_is_given(
         assert set(given[-1][0].changes) == {"speed"}
     if "minimum" in bounds.get("candidate", {}) and len(candidates) <= bounds["candidate"]["minimum"]:
         assert not given
-        assert any("there is no candidate" in step.reason for step in steps if step.kind == "refused")
+        assert any("there is no candidate" in step.reason for step in steps if step.kind == "reply_refused")
     if "minimum" in bounds.get("force_n", {}):
         assert all("force" in args.changes for args, _ in given)
 

@@ -1,7 +1,7 @@
 // The conversation: entries as they come, the approval box, and suggestions.
 import { $, fill, h } from "./dom.js";
 
-const STEPS = ["understood", "look", "grounding", "retrieved", "graphed", "constrained", "planned", "thought", "approval", "action", "observation", "reflection", "remembered", "sub_goal", "heeded", "noted"];
+const STEPS = ["understood", "look", "grounding", "retrieved", "graphed", "constrained", "planned", "thought", "approval", "action", "observation", "reflection", "remembered", "sub_goal", "heeded", "noted", "reply_refused"];
 const MOST = 400;
 
 export function enlarge(source) {

@@ -64,7 +64,7 @@ def test_a_question_moves_nothing(obliging: tuple[Conversation, ScriptedChat]) -
     steps = list(conversation.say("what do you see on the table?"))
     assert conversation.result is not None
     assert not conversation.result.executed
-    assert kinds(steps).count("refused") == 4
+    assert kinds(steps).count("reply_refused") == 4
     assert [prompt.role for prompt in chat.prompts[before:]][:4] == ["understand"] * 4
     assert conversation.result.model_use.fallbacks[0].startswith("understand: 4 replies were refused")
 

@@ -69,7 +69,7 @@ def test_a_refused_choice_comes_back_three_times_then_the_rules_finish() -> None
     assert len(thoughts) == 4
     assert "too strong" in thoughts[1].messages[1].text
     assert thoughts[3].messages[1].text.count("too strong") == 3
-    assert kinds(steps).count("refused") == 4
+    assert kinds(steps).count("reply_refused") == 4
     assert kinds(steps).count("fallback") == 1
     assert result.success
     assert result.model_use.refusals == 4
@@ -106,7 +106,7 @@ def test_another_candidate_is_executed_as_it_was_planned() -> None:
     assert [row["number"] for row in shown] == list(range(1 + len(planned.alternatives)))
     assert shown[1]["region"] == name.split("/")[0]
     result, steps = told(agent(always("think", think(candidate=9)), dry_run=True))
-    assert [s.reason for s in steps if getattr(s, "kind", "") == "refused"] == ["there is no candidate 9"] * 4  # type: ignore[attr-defined]
+    assert [s.reason for s in steps if getattr(s, "kind", "") == "reply_refused"] == ["there is no candidate 9"] * 4  # type: ignore[attr-defined]
 
 
 def test_looking_again_asking_and_giving_up() -> None:
@@ -148,7 +148,7 @@ def test_looking_again_asking_and_giving_up() -> None:
 def test_words_the_person_did_not_say_move_nothing(instruction: str, reply: str, moves: bool) -> None:
     """Goals that the person's words do not carry are refused, and the rules read the instruction instead."""
     result, steps = told(agent(always("understand", reply)), instruction)
-    assert kinds(steps)[:8].count("refused") == 4
+    assert kinds(steps)[:8].count("reply_refused") == 4
     assert result.executed is moves
     if moves:
         assert result.goals[0].object == "cube"

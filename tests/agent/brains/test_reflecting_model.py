@@ -54,7 +54,7 @@ def test_a_correction_that_was_not_listed_is_refused(monkeypatch: pytest.MonkeyP
     """Number 7 comes back with the reason; number 0, chosen then, is applied."""
     wrong, right = ({"thought": "So.", "choice": number, "give_up": False} for number in (7, 0))
     result, steps, _ = reflecting(monkeypatch, wrong, right)
-    assert [step.reason for step in steps if step.kind == "refused"] == ["there is no correction 7"]
+    assert [step.reason for step in steps if step.kind == "reply_refused"] == ["there is no correction 7"]
     assert result.model_use.fallbacks == ()
     assert len(result.goals[0].attempts) == 2
 

@@ -35,7 +35,7 @@ def test_replies_that_are_none_are_refused_and_the_rules_finish(reply: str, reas
         assert len(server.requests) == 8
         assert reason in str(server.requests[3]["messages"])
     assert result.success
-    refused = [step for step in steps if step.kind == "refused"]
+    refused = [step for step in steps if step.kind == "reply_refused"]
     assert [step.role for step in refused] == ["understand"] * 4 + ["think"] * 4
     assert all(reason in step.reason for step in refused)
     assert len(result.model_use.fallbacks) == 2
@@ -82,6 +82,6 @@ def test_every_prompt_reply_refusal_and_fallback_is_in_the_trace(tmp_path: Path)
     calls = [row["exchange"] for row in rows if row["kind"] == "model_call"]
     assert [[message["text"] for message in call["messages"]] for call in calls] == sent
     assert [call["reply"] for call in calls] == ["no JSON at all"] * 8
-    assert [row["role"] for row in rows if row["kind"] == "refused"] == ["understand"] * 4 + ["think"] * 4
-    assert all(row["reason"] for row in rows if row["kind"] == "refused")
+    assert [row["role"] for row in rows if row["kind"] == "reply_refused"] == ["understand"] * 4 + ["think"] * 4
+    assert all(row["reason"] for row in rows if row["kind"] == "reply_refused")
     assert [row["role"] for row in rows if row["kind"] == "fallback"] == ["understand", "think"]
