@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from kb.errors import BadInputError
 from sim.ood_catalogue import ALL_MODELS, any_model
 from sim.own_object import check_files
-from sim.scene_spec import ObjectSpec, SceneSpec, Source, TaskSpec
+from sim.scene_spec import ObjectSpec, Randomise, SceneSpec, Source, TaskSpec
 from sim.tasks.clutter import PREFIX, clutter_scene, clutter_scenes
 from sim.tasks.ood import ood_scene, ood_scenes
 
@@ -114,6 +114,10 @@ def _tree(text: str, where: str) -> tuple[Any, Lines]:
         mark = getattr(error, "problem_mark", None)
         line = "" if mark is None else f":{mark.line + 1}"
         problem = getattr(error, "problem", None) or str(error)
+        began = getattr(error, "context_mark", None)
+        if mark is not None and began is not None and began.line != mark.line:
+            inside = getattr(error, "context", None) or "it"
+            problem += f" ({inside}, begun in line {began.line + 1})"
         raise BadInputError(f"malformed YAML: {problem}", where=f"{where}{line}") from error
     except RecursionError as error:
         raise BadInputError("it is nested too deeply", where=where) from error
@@ -165,14 +169,31 @@ def _readable(error: ValidationError, where: str, lines: Lines, ids: list[str | 
         noun = ObjectSpec
     elif location and location[0] == "task":
         noun = TaskSpec
+    elif location and location[0] == "randomise":
+        noun = Randomise
     last = location[len(location) - 1] if location else ""
     key = next((str(part) for part in reversed(known) if isinstance(part, str)), "")
     if defect["type"] == "extra_forbidden":
         return BadInputError(f"unknown key {last!r}", where=place, choices=_keys(noun))
     if defect["type"] == "missing":
         return BadInputError(f"the key {last!r} is missing", where=place)
+    if noun is Randomise and key != "randomise":
+        key = f"randomise: {key}"
+    return BadInputError(f"{key}: {_defect_words(defect)}", where=place)
+
+
+def _defect_words(defect: Any) -> str:
+    """What is wrong with a value, without the words of the programming language."""
+    kind, facts = str(defect["type"]), defect.get("ctx", {})
+    if kind in ("too_short", "too_long"):
+        few, bound = ("at least", facts["min_length"]) if kind == "too_short" else ("at most", facts["max_length"])
+        return f"it has {facts['actual_length']} entries, {few} {bound} are wanted"
+    if kind in ("tuple_type", "list_type"):
+        return "a list is wanted"
+    if kind in ("model_type", "dict_type", "model_attributes_type"):
+        return "a mapping of keys to values is wanted"
     message = str(defect["msg"]).removeprefix("Value error, ")
-    return BadInputError(f"{key}: {message[:1].lower()}{message[1:]}" if key != "objects" else message, where=place)
+    return f"{message[:1].lower()}{message[1:]}"
 
 
 def _check_references(spec: SceneSpec) -> None:
