@@ -48,7 +48,7 @@ def report(situation: Situation) -> str:
 def _outcome(situation: Situation, goal: Goal) -> str:
     index = situation.goals.index(goal)
     tries = [a for a in situation.attempts if a.turn == situation.turn and a.goal == index]
-    name = phrases.plain(goal.target_category or "object")
+    name = phrases.object_name(goal.target_category)
     if goal.status == "open":
         return phrases.sentence(f"I did not get to it: {phrases.goal_words(goal)}")
     if goal.status == "failed":
@@ -176,7 +176,7 @@ def _held(situation: Situation, goal: Goal) -> str:
     if situation.held is None:
         return "My hand is empty."
     load = f"; it weighs about {situation.held.load * 1000:.0f} g" if situation.held.load > 0 else ""
-    return f"I hold the {phrases.plain(situation.held.category)}{load}."
+    return f"I hold the {phrases.object_name(situation.held.category)}{load}."
 
 
 def _why(situation: Situation, goal: Goal) -> str:

@@ -141,8 +141,10 @@ def _same_world(kept: dict[str, Any], scene: str | None, seed: int | None, threa
     """Scene and seed: as asked, as the thread knows them, or the defaults.
 
     Raises:
-        BadInputError: the thread belongs to another scene or seed.
+        BadInputError: a negative seed, or the thread belongs to another scene or seed.
     """
+    if seed is not None and seed < 0:
+        raise BadInputError(f"the seed {seed} is negative", where="seed", choices=("0 and above",))
     if not kept.get("scene"):
         return scene or DEFAULT_SCENE, seed or 0
     known_scene, known_seed = str(kept["scene"]), int(kept["seed"])

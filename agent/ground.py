@@ -61,6 +61,8 @@ def _refusal(state: State, percept: Percept) -> Grounded | None:
             got = resolve(reference, scope) if not _only_place(reference) else Resolution(ids=("",))
             if not got.ids:
                 return _say(state, got.problem or "I see nothing like that.")
+            if reference is goal.reference and _too_few(reference, got):
+                return _say(state, f"I see only one: {_choices(got, percept)[0]}.")
             if goal.kind in ("pick", "place") and len(got.ids) > 1:
                 if reference is goal.reference and reference.plural:
                     if goal.placement is not None and goal.placement.kind == "bin":
@@ -68,6 +70,12 @@ def _refusal(state: State, percept: Percept) -> Grounded | None:
                     return _say(state, f"I can hold only one thing at a time. Which one: {_choices(got, percept)[0]}?")
                 return _ask(state, index, reference, got, percept)
     return None
+
+
+def _too_few(reference: Reference, got: Resolution) -> bool:
+    """Two cups were asked for, and there is one: taking it would not be what was asked."""
+    singled = reference.anyone or reference.extreme is not None or reference.side is not None
+    return reference.plural and not singled and reference.ordinal is None and len(got.ids) == 1 < (reference.count or 1)
 
 
 def _later(reference: Reference, index: int) -> bool:
@@ -155,7 +163,8 @@ def _thing(state: State, percept: Percept) -> Grounded:
             "note": got.note,
         }
     )
-    text = f"{spoken(goal.reference).capitalize()} is {describe(obj, percept.objects)} ({obj.id})."
+    said_as, seen = spoken(goal.reference), f"{describe(obj, percept.objects)} ({obj.id})"
+    text = f"There is one: {seen}." if goal.reference.plural else f"{said_as.capitalize()} is {seen}."
     text += f" {got.note}" if got.note else ""
     step = events.Grounding(text=text, goal=state.current, target=obj.id)
     return Grounded(Update(goals=changed(state, grounded), last_target=obj.id), (step,))

@@ -17,7 +17,7 @@ from kb.percept import PerceivedObject, Percept
 from kb.run_result import ModelUse
 from kb.scene_graph import SceneGraph
 from kb.sensing import Plan
-from kb.vocabulary import INVERSE
+from kb.vocabulary import INVERSE, UNKNOWN_CATEGORY
 
 PLACES = {
     "bin": "in the bin", "back": "back where it was", "aside": "out of the way", "hand_over": "to you", "lane": "in its lane",
@@ -49,11 +49,18 @@ def plain(name: str) -> str:
     return name.replace("_", " ")
 
 
+def object_name(category: str | None) -> str:
+    """What stands after "the": a category in words, or that it is of no known kind."""
+    return "unknown object" if category == UNKNOWN_CATEGORY else plain(category or "object")
+
+
 def goal_words(goal: Goal) -> str:
     """A goal as a person would say it."""
     thing = spoken(goal.reference) if goal.reference else "it"
     if goal.kind == "pick":
-        return f"hand over {thing}" if goal.placement else f"pick up {thing}"
+        if goal.placement:
+            return f"hand {thing} over" if thing == "it" else f"hand over {thing}"
+        return "pick it up" if thing == "it" else f"pick up {thing}"
     if goal.kind == "place":
         return f"put {thing} {place_words(goal)}"
     if goal.kind == "clear":

@@ -7,15 +7,25 @@ from agent.language.single_out import leftness
 from kb.percept import PerceivedObject
 from kb.vocabulary import UNKNOWN_CATEGORY
 
+_INDEFINITE = ("a", "an", "any", "my")
+_DETERMINERS = frozenset(
+    "this that these those all every each both everything anything something your its his her our their some "
+    "two three four five six seven eight nine ten".split()
+)
+"""Words that stand where the article would."""
+
 
 def spoken(reference: Reference) -> str:
     """The reference as one would say it back."""
     if reference.pronoun:
         return "it"
-    if reference.noun and reference.words.split()[:1] not in (["the"], ["a"], ["an"], ["my"], ["any"]):
-        return f"the {reference.words}" if reference.words else f"the {reference.noun}"
     words = reference.words or reference.noun or "that"
-    return "the " + words.split(" ", 1)[1] if words.split()[0] in ("a", "an", "any", "my") and " " in words else words
+    first, _, rest = words.partition(" ")
+    if first in _INDEFINITE and rest:
+        return f"the {rest}"
+    if reference.noun and first not in ("the", *_INDEFINITE, *_DETERMINERS) and not first.isdigit():
+        return f"the {words}"
+    return words
 
 
 def describe(obj: PerceivedObject, among: tuple[PerceivedObject, ...] = ()) -> str:
@@ -23,8 +33,6 @@ def describe(obj: PerceivedObject, among: tuple[PerceivedObject, ...] = ()) -> s
     name = "object I don't recognise" if obj.category == UNKNOWN_CATEGORY else obj.category.replace("_", " ")
     alike = [o for o in among if o.category == obj.category and o.id != obj.id]
     coloured = f"{obj.colour_name} {name}"
-    if obj.category == UNKNOWN_CATEGORY:
-        coloured = f"{obj.colour_name} {name}"
     same = [o for o in alike if o.colour_name == obj.colour_name]
     if not same:
         return f"the {coloured}"
