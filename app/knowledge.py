@@ -86,7 +86,7 @@ def query_store(path: Path | None, category: str, described: dict[str, Any], k: 
     """Retrieves for a described object and prints the scores of all levels.
 
     Raises:
-        BadInputError: a descriptor's value is not one of its choices.
+        BadInputError: no category, or a descriptor's value is not one of its choices.
     """
     from app.console import make_console
     from app.table import print_table
@@ -96,6 +96,8 @@ def query_store(path: Path | None, category: str, described: dict[str, Any], k: 
     from tools.context import ToolContext
     from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
 
+    if not category.strip():
+        raise BadInputError('it is empty; say "unknown" for an object of no known kind', where="CATEGORY")
     check_descriptor(described)
     affordance = AffordanceDescriptor.model_validate({**prior(category).affordance.model_dump(), **described})
     context = ToolContext(store=open_any(path))

@@ -92,11 +92,12 @@ def add_object(folder: Path, name: str, scene: str, thing: str, described: dict[
     from kb.shape_colour import ShapeColourEmbedder
     from tools.context import ToolContext
     from tools.learn_experience import make_suite
-    from tools.teach_object import TeachArgs, teach_object
+    from tools.teach_object import TeachArgs, check_object, teach_object
 
     check_descriptor(described)
     if not name.replace("_", "").isalnum():
         raise BadInputError(f'"{name}" is no name', where="NAME", choices=("letters, digits and underscores",))
+    check_object(scene, thing)
     base = LearnedBase.begin(folder)
     store = base.store()
     console = make_console(stderr=True)

@@ -24,7 +24,7 @@ from kb.vocabulary import FailureType
 from tools.confirm_grasp import strategy_of
 from tools.context import ToolContext
 from tools.execute_grasp import ExecuteArgs, execute_grasp
-from tools.open_world import open_perceiver, open_world
+from tools.open_world import OpenedWorld, open_perceiver, open_world
 from tools.perceive import PerceiveArgs, perceive
 from tools.plan_grasp import PlanArgs, plan_grasp
 from tools.retrieve_haarag import RetrieveArgs, retrieve_haarag
@@ -96,12 +96,21 @@ def teach_object(
     return [_entry(args, way, [one for one in tried if one.way == way], name) for way in ways]
 
 
+def check_object(scene: str, thing: str) -> None:
+    """Raises `BadInputError` if the scene has no such object; tells before anything is written."""
+    _movable(open_world(scene, FIRST_SEED), scene, thing)
+
+
+def _movable(opened: OpenedWorld, scene: str, thing: str) -> None:
+    ids = [item.id for item in opened.placed.objects if not item.fixed]
+    if thing not in ids:
+        raise BadInputError(f"the scene has no object {thing!r}", where=scene, choices=ids)
+
+
 def _try(args: TeachArgs, seed: int, context: ToolContext) -> _Tried | None:
     """One trial; None where the object was not seen or no plan was found."""
     opened = open_world(args.scene, seed)
-    ids = [item.id for item in opened.placed.objects if not item.fixed]
-    if args.object not in ids:
-        raise BadInputError(f"the scene has no object {args.object!r}", where=args.scene, choices=ids)
+    _movable(opened, args.scene, args.object)
     tools = ToolContext(
         robot=opened.robot, store=context.store, perceiver=open_perceiver("rgbd", opened, context.embedder),
         embedder=context.embedder, switches=context.switches, rng=np.random.default_rng([seed, 3]), stop=opened.stop,

@@ -73,6 +73,20 @@ def test_learning_says_what_it_cannot(tmp_path: Path, capsys: pytest.CaptureFixt
         session(tmp_path / "kb")
 
 
+def test_teaching_what_is_not_there_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An object that the scene lacks is refused with the scene's own ones before a knowledge base is begun."""
+    folder = tmp_path / "kb"
+    assert run_command_line(["kb", "add", "die", "--scene", "single_cube", "--object", "x", "--kb", str(folder)]) == 2
+    assert "(valid: cube)" in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_a_query_needs_a_category(capsys: pytest.CaptureFixture[str]) -> None:
+    """An empty category is refused; it would otherwise be asked as one that nothing has."""
+    assert run_command_line(["kb", "query", " "]) == 2
+    assert "CATEGORY" in capsys.readouterr().err
+
+
 @pytest.mark.long
 def test_an_object_is_taught(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """`kb add` grasps the object ten times and adds at least one entry of its name; a second time it gets another id."""
