@@ -26,6 +26,7 @@ TOOLS: dict[str, str] = {
     "choose_grasp": "ChooseArgs",
     "confirm_grasp": "ConfirmArgs",
     "name_objects": "NameArgs",
+    "gather_experience": "GatherArgs",
 }
 """Tool (and file) name -> name of its argument model."""
 

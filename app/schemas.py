@@ -18,9 +18,12 @@ TOOL_NAMES = (
     "classify_failure",
     "correct_grasp",
     "place_object",
+    "choose_grasp",
+    "confirm_grasp",
+    "name_objects",
     "gather_experience",
 )
-"""The verbs of `tools`, in the order in which a run uses them; a tool's file has its name."""
+"""The verbs of `tools`, in the order in which a run uses them, then those of language models; a tool's file has its name."""
 
 
 def tool_schemas() -> dict[str, dict[str, Any]]:

@@ -15,6 +15,7 @@ from agent.toolbox import TOOLS, as_langchain, tool_named, toolbox
 from kb.errors import BadInputError
 from kb.sensing import Evidence
 from tools.context import ToolContext
+from tools.experience.recipe import category_plans
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,10 @@ def facts() -> dict[str, Any]:
                 "fragility": 0.1, "region": "body",
             }]},
         },
+        "gather_experience": {
+            "category": "cube", "model": "wood_cube", "id": "cube-90", "first_seed": 90,
+            "recipe": category_plans()[[plan.category for plan in category_plans()].index("cube")].recipes[0],
+        },
     }  # fmt: skip
 
 
@@ -82,7 +87,7 @@ def test_every_tool_file_is_in_the_box() -> None:
     offered = {
         path.stem for path in folder.glob("*.py") if f"def {path.stem}(args: " in path.read_text(encoding="utf-8")
     }
-    assert set(TOOLS) == offered - {"gather_experience"}
+    assert set(TOOLS) == offered
 
 
 def test_schemas_and_descriptions() -> None:
