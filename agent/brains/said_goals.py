@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 from agent.brain import UnusableReplyError
 from agent.brains.replies import GoalReply, UnderstandReply
 from agent.goal import Goal, Understanding
@@ -26,13 +28,13 @@ EXPECTED = {
 
 
 def understanding_of(reply: UnderstandReply) -> Understanding:
-    """The typed goals of a reply.
+    """The typed goals of a reply. Said twice in a row, a goal is one: small models stutter, and nothing is picked up twice.
 
     Raises:
         UnusableReplyError: a goal says nothing that the grammar can read, or says two things at once.
     """
     if reply.goals:
-        return Understanding(goals=tuple(_goal(said, reply) for said in reply.goals))
+        return Understanding(goals=tuple(goal for goal, _ in groupby(_goal(said, reply) for said in reply.goals)))
     if reply.question:
         return Understanding(question=reply.question)
     if reply.refusal:

@@ -13,9 +13,11 @@ from agent.brains.chat import Message, Prompt, Reply
 from agent.brains.model import ModelBrain
 from agent.brains.openai_chat import OpenAIChat
 from agent.brains.recorded import RecordingChat, ReplayChat
+from agent.brains.replies import UnderstandReply, parse
+from agent.brains.said_goals import understanding_of
 from agent.brains.words import words_so_far
 from agent.build_agent import build_agent
-from tests.brain_fixtures import GOOD, ScriptedChat, fault_server, think
+from tests.brain_fixtures import GOOD, ScriptedChat, fault_server, think, understand
 
 
 class StreamingChat(ScriptedChat):
@@ -100,6 +102,17 @@ def test_words_grow_between_the_steps_and_change_nothing() -> None:
     assert all(step.text.isprintable() for run in heard for step in run)
     assert all(b.text.startswith(a.text) for run in (heard[0], heard[2]) for a, b in itertools.pairwise(run))
     assert [step.role for step in (run[0] for run in heard)] == ["understand", "think", "think"]
+
+
+def test_a_stuttered_goal_is_one() -> None:
+    """What a model says several times in a row is done once; the same again after something else is another goal."""
+    cube, bin_ = (
+        {"action": "pick", "thing": "the cube"},
+        {"action": "place", "thing": "the cube", "place": "in the bin"},
+    )
+    for said, kinds in (([cube] * 4, ["pick"]), ([cube, bin_, bin_, cube], ["pick", "place", "pick"])):
+        got = understanding_of(parse(understand(*said), UnderstandReply))
+        assert [goal.kind for goal in got.goals] == kinds
 
 
 def test_a_fast_model_does_not_flood() -> None:
