@@ -22,7 +22,7 @@ def print_verdict(console: Console, result: RunResult) -> None:
     # Without a motion nothing was kept or broken.
     required = [item for item in result.constraints if item.required and result.executed]
     for item in required:
-        word = "kept" if item.satisfied else "broken"
+        word = "kept" if item.satisfied else "broken" if approached(result) else "not put to the test"
         known = "inferred" if item.inferred else "not inferred"
         console.print(Text(f"constraint {item.kind} ({item.target}): {word}; {known} by the agent"))
     if result.damage_events:
@@ -40,6 +40,16 @@ def print_verdict(console: Console, result: RunResult) -> None:
             style="dim",
         )
     )
+
+
+def approached(result: RunResult) -> bool:
+    """Whether a hand went towards something: else a required constraint is not satisfied, but nothing broke it."""
+    attempts = [attempt for goal in result.goals for attempt in goal.attempts]
+    return not attempts or any(attempt.evidence.get("phase") not in ("plan", "transit") for attempt in attempts)
+
+
+def _stopped(attempt: AttemptRecord) -> bool:
+    return attempt.evidence.get("stopped_by") == "stop"
 
 
 def _print_goal(console: Console, number: int, goal: GoalRecord, *, executed: bool) -> None:
@@ -68,6 +78,9 @@ def _print_goal(console: Console, number: int, goal: GoalRecord, *, executed: bo
 
 def attempt_line(attempt: AttemptRecord) -> str:
     """An attempt's diagnosis beside the observer's label and measurements."""
+    if _stopped(attempt) and not attempt.claimed and not attempt.success:
+        # The types of failure say what went wrong with a grasp; that a person stopped it is none of them.
+        return f"level {attempt.level}: stopped before it was done"
     claimed = "success" if attempt.claimed else attempt.failure or "failure"
     observed = "success" if attempt.success else attempt.observed_failure or "failure"
     text = f"level {attempt.level}: claimed {claimed}, observed {observed}"
