@@ -56,8 +56,9 @@ def memory_saver() -> Any:
 def sqlite_saver(path: Path) -> Any:
     """A checkpointer on disk; every step is written before the next one begins.
 
-    A killed process loses no step. A power cut may lose the last few, never an earlier one and never the file: the journal
-    (WAL) is flushed to the platter when it is merged, not at each of the two writes a step (15 ms each on a slow disk).
+    A killed process loses no step. A power cut loses none of a turn that was answered (`settle`), at most the last few of the
+    turn in work, and never the file: the journal (WAL) is flushed to the platter once a turn, not at each of its 35 writes,
+    which would take 130 ms to 500 ms a turn.
 
     Raises:
         EnvironmentFaultError: the folder cannot be written, or the file is no database.
@@ -77,6 +78,19 @@ def sqlite_saver(path: Path) -> Any:
             f"cannot keep threads in {path}: {error}", mend="set RAGVLM_HOME to a folder that can be written"
         ) from error
     return saver
+
+
+def settle(saver: Any) -> None:
+    """Flushes what was saved to the platter, so that a power cut does not take it (about 10 ms).
+
+    A commit with `synchronous = FULL` flushes the whole journal, with all that was committed before it.
+    """
+    with saver.lock:
+        saver.conn.execute("PRAGMA synchronous = FULL")
+        try:
+            saver.conn.execute("PRAGMA user_version = 1")  # the smallest thing that is a commit
+        finally:
+            saver.conn.execute("PRAGMA synchronous = NORMAL")
 
 
 ENDS = 20

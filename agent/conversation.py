@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING, Any
 
-from agent.checkpoint import prune
+from agent.checkpoint import prune, settle
 from kb.errors import BadInputError, EnvironmentFaultError
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ class Agent:
         """
         self.result = self._result(total)
         if self.thread is not None:
-            prune(self._graph.checkpointer, self.thread)
+            _saved(prune, self._graph.checkpointer, self.thread)
         return self.result
 
     def steps(self, entry: Any) -> Iterator[BaseStep]:
@@ -177,6 +177,8 @@ class Agent:
         worker.join()
         if failures:
             raise _told(failures[0])
+        if self.thread is not None:
+            _saved(settle, self._graph.checkpointer)
 
     def _decide(self) -> Generator[BaseStep, None, Any]:
         """Where the graph waits for a person: asks, and returns the command that goes on; False if it does not wait."""
@@ -227,6 +229,16 @@ class Agent:
             if self._release_after:
                 self._release_after = False
                 self.opened.stop.release()
+
+
+def _saved(write: Callable[..., None], *where: Any) -> None:
+    """Writes; a disk that does not take it is told in one line."""
+    import sqlite3
+
+    try:
+        write(*where)
+    except sqlite3.Error as error:
+        raise _told(error) from error
 
 
 def _told(failure: BaseException) -> BaseException:

@@ -33,6 +33,10 @@ RECALL = re.compile(
     r"^(?:what|which things) (?:do|can|have) you (?:still )?(?:remember(?:ed)?|learn(?:ed|t)?|memori[sz]ed?)"
     r"(?: (?:so far|now|about (?:the |a |an )?(?P<what>[a-z ]+)))?$|^what is in your memory$|^(?:show |your )?memory$"
 )
+HOW = re.compile(
+    r"\b(force|hard|harder|firmer|gentler|softer|handle|rim|neck|body|side|above|pinch|power|fast|faster|slower)\b"
+)
+"""In "why did you not ..." these ask about the grasp that was chosen, not about a failure."""
 COMPARE = re.compile(
     r"^(?:please )?(?:compare|what (?:is|was|are|were) (?:the )?(?:difference|differences|different)|how (?:do|did|does) (?:they|it|that|the two) "
     r"(?:differ|compare)|what (?:did you do|was|is|have you done) different(?:ly)?|difference|diff)\b(?P<rest>.*)$"
@@ -117,7 +121,7 @@ def _tool(line: str, text: str) -> tuple[Call, ...]:
         if regex.match(line):
             return (Call(tool="say", words=reply),)
     asked = read_question(line)
-    if isinstance(asked, Goal) and asked.query == "why":
+    if isinstance(asked, Goal) and (asked.query == "why" or (asked.query == "why_failed" and HOW.search(line))):
         return (Call(tool="why", words=text),)
     found = WHAT_IF.match(line)
     if found is not None:

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from kb.run_result import RunResult
 
 
+LEAVING = ("quit", "exit", "bye", "goodbye")
+"""What a person types to leave who has not read that it is /quit."""
+
+
 class Talk:
     """The terminal's side of a conversation."""
 
@@ -67,6 +71,8 @@ class Talk:
         if not text:
             return True
         try:
+            if text.lower().rstrip(".!") in LEAVING and self.conversation.pending is None:
+                return False
             if not text.startswith("/"):
                 self._run(self.conversation.say(line))
                 return True

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from agent import build_agent
-from agent.checkpoint import prune, serializer
+from agent.checkpoint import prune, serializer, settle
 from agent.state import State
 from kb.errors import BadInputError, EnvironmentFaultError
 
@@ -72,3 +72,31 @@ def test_a_thread_does_not_grow_without_bound(tmp_path: Path) -> None:
     with sqlite3.connect(threads) as connection:
         assert connection.execute("SELECT COUNT(*) FROM checkpoints").fetchone() == (5,)
     assert "cube" in agent.run("where is the cube?").answer
+
+
+def test_an_answered_turn_is_on_the_platter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A turn of many steps ends with a commit that SQLite flushes; what a full disk then says is one line with its mend."""
+    agent = build_agent("single_cube", 10_001, perception="oracle", thread="mine", threads=tmp_path / "threads.sqlite")
+    journal, said = tmp_path / "threads.sqlite-wal", list[str]()
+    agent.graph.checkpointer.conn.set_trace_callback(said.append)
+    before = journal.stat().st_size
+    agent.run("what do you see?")
+    agent.graph.checkpointer.conn.set_trace_callback(None)
+    full, last_write = (
+        said.index("PRAGMA synchronous = FULL"),
+        max(i for i, s in enumerate(said) if s.startswith("INSERT")),
+    )
+    assert last_write < full < said.index("PRAGMA user_version = 1") < said.index("PRAGMA synchronous = NORMAL")
+    grown = journal.stat().st_size
+    settle(agent.graph.checkpointer)
+    assert before < grown < journal.stat().st_size  # a flush is a commit of its own
+    assert agent.graph.checkpointer.conn.execute("PRAGMA synchronous").fetchone() == (1,)
+
+    def full_disk(_saver: object) -> None:
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr("agent.conversation.settle", full_disk)
+    with pytest.raises(
+        EnvironmentFaultError, match=r"cannot save the conversation: .* full; what was saved before is kept"
+    ):
+        agent.run("where is the cube?")
