@@ -13,7 +13,8 @@ from pydantic import ValidationError
 
 from kb.errors import BadInputError, EnvironmentFaultError
 from kb.experience import Experience
-from kb.store import ExperienceStore, StoreHeader
+from kb.store import ExperienceStore
+from kb.store_file import StoreHeader
 
 COLLECTION = "ragvlm_experiences"
 PAGE = 500

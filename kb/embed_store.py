@@ -20,7 +20,8 @@ from kb.errors import EnvironmentFaultError
 from kb.experience_index import cache_folder
 from kb.open_embedder import embed_views
 from kb.reference_views import ReferenceView, load_views, view_key, views_digest, views_path
-from kb.store import ExperienceStore, StoreHeader
+from kb.store import ExperienceStore
+from kb.store_file import StoreHeader
 
 log = logging.getLogger(__name__)
 

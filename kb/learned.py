@@ -14,7 +14,8 @@ from kb.errors import BadInputError
 from kb.experience import Experience
 from kb.journal import BASE, JOURNAL, Change, Journal, begin
 from kb.lesson import Lesson
-from kb.store import ExperienceStore, StoreHeader, text_of_store
+from kb.store import ExperienceStore
+from kb.store_file import StoreHeader, text_of_store
 
 LEARNT = "learnt-"
 """Beginning of the ids of learnt entries: they turn into failures where they succeed in less than half of the trials."""

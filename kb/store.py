@@ -7,44 +7,22 @@ user's cache under the content's hash; where nothing can be written it lives in 
 from __future__ import annotations
 
 import hashlib
-import json
-import os
-import shutil
-import tempfile
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, TypeVar, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
-from kb.base import Noun
 from kb.errors import BadInputError, EnvironmentFaultError
 from kb.experience import Experience
 from kb.experience_table import ExperienceTable, make_table
+from kb.store_file import StoreHeader, check_entry, parse_store, text_of_store, write_store
 from kb.taxonomy import taxonomy
-
-_Model = TypeVar("_Model", bound=Noun)
 
 SHIPPED = "experiences.jsonl"
 SUGGESTED_MEND = "restore the file, or rebuild it with `ragvlm kb build`"
-
-
-class StoreHeader(Noun):
-    """First line of the file."""
-
-    format: Literal["ragvlm-experiences"] = "ragvlm-experiences"
-    schema_version: Literal[1] = 1
-    embedder: str
-    """Name of the embedder of every entry."""
-    dim: int
-    """Length of the embeddings."""
-    taxonomy: str
-    """Version of the taxonomy that the categories come from."""
-    entries: int | None = None
-    """How many lines follow, so that a file cut off between two lines is noticed; written by every save."""
 
 
 class ExperienceStore:
@@ -58,7 +36,7 @@ class ExperienceStore:
         self._collection: Any = None
         self._table: ExperienceTable | None = None
         for entry in self._entries:
-            _check(entry, header)
+            check_entry(entry, header)
         if len(self._by_id) != len(self._entries):
             raise BadInputError("two experiences have the same id", where=None if path is None else str(path))
 
@@ -81,7 +59,7 @@ class ExperienceStore:
             raise EnvironmentFaultError(
                 f"cannot read the knowledge base {file}: {error}", mend=SUGGESTED_MEND
             ) from error
-        header, entries = _parse(text, str(file))
+        header, entries = parse_store(text, str(file))
         return cls(header, entries, file)
 
     @property
@@ -172,7 +150,7 @@ class ExperienceStore:
             BadInputError: if its id exists or its embedding does not fit.
             EnvironmentFaultError: if the file cannot be written.
         """
-        _check(entry, self._header)
+        check_entry(entry, self._header)
         if entry.id in self._by_id:
             raise BadInputError(f"there is already an experience {entry.id!r}", where=self._where())
         entries = [*self._entries, entry]
@@ -220,100 +198,3 @@ def new_store(entries: Iterable[Experience], *, embedder: str, dim: int, path: P
     """A store of these entries, all embedded by `embedder`."""
     header = StoreHeader(embedder=embedder, dim=dim, taxonomy=taxonomy().version)
     return ExperienceStore(header, list(entries), path)
-
-
-def write_store(path: Path, header: StoreHeader, entries: Iterable[Experience]) -> None:
-    """Writes a store's file atomically.
-
-    Raises:
-        EnvironmentFaultError: if the folder or file cannot be written.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text_of_store(header, entries))
-                file.flush()
-                os.fsync(file.fileno())
-            if path.exists():
-                shutil.copymode(path, name)
-            os.replace(name, path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        mend = "give a path that can be written"
-        raise EnvironmentFaultError(f"cannot write the knowledge base {path}: {error.strerror}", mend=mend) from error
-
-
-def text_of_store(header: StoreHeader, entries: Iterable[Experience]) -> str:
-    """The file's text: a header line, then one experience a line."""
-    rows = [json.dumps(entry.model_dump(mode="json"), ensure_ascii=False) for entry in entries]
-    first = header.model_copy(update={"entries": len(rows)})
-    lines = [json.dumps(first.model_dump(mode="json"), ensure_ascii=False), *rows]
-    return "\n".join(lines) + "\n"
-
-
-def _parse(text: str, where: str) -> tuple[StoreHeader, list[Experience]]:
-    lines = text.splitlines()
-    if not lines or not lines[0].strip():
-        raise BadInputError("the knowledge base is empty", where=f"{where}:1")
-    first = _json(lines[0], f"{where}:1")
-    if first.get("format") != "ragvlm-experiences":
-        raise BadInputError("this is no knowledge base of ours: the header is missing", where=f"{where}:1")
-    if first.get("schema_version") != 1:
-        found = first.get("schema_version")
-        raise BadInputError(f"schema version {found!r} is not supported", where=f"{where}:1", choices=["1"])
-    header = _model(StoreHeader, first, f"{where}:1")
-    entries: list[Experience] = []
-    seen: dict[str, int] = {}
-    for number, line in enumerate(lines[1:], start=2):
-        if not line.strip():
-            continue
-        entry = _model(Experience, _json(line, f"{where}:{number}"), f"{where}:{number}")
-        _check(entry, header, f"{where}:{number}")
-        if entry.id in seen:
-            raise BadInputError(
-                f"experience {entry.id!r} stands already in line {seen[entry.id]}", where=f"{where}:{number}"
-            )
-        seen[entry.id] = number
-        entries.append(entry)
-    if header.entries is not None and header.entries != len(entries):
-        what = f"the knowledge base is cut off or damaged: {len(entries)} experiences instead of {header.entries}"
-        raise BadInputError(what, where=f"{where}:{len(lines)}")
-    return header.model_copy(update={"entries": None}), entries
-
-
-def _json(line: str, where: str) -> dict[str, Any]:
-    try:
-        value = json.loads(line)
-    except json.JSONDecodeError as error:
-        raise BadInputError(f"damaged line ({error.msg} at column {error.colno})", where=where) from error
-    if not isinstance(value, dict):
-        raise BadInputError("damaged line (not an object)", where=where)
-    return cast(dict[str, Any], value)
-
-
-def _model(model: type[_Model], value: dict[str, Any], where: str) -> _Model:
-    try:
-        return model.model_validate(value)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        field = ".".join(str(part) for part in first["loc"])
-        raise BadInputError(f"{field}: {first['msg']}", where=where) from error
-
-
-def _check(entry: Experience, header: StoreHeader, where: str | None = None) -> None:
-    if entry.embedder != header.embedder:
-        what = (
-            f"experience {entry.id!r} was embedded with {entry.embedder!r}, the knowledge base with {header.embedder!r}"
-        )
-        raise BadInputError(what, where=where, choices=[header.embedder])
-    if len(entry.embedding) != header.dim:
-        what = f"experience {entry.id!r} has {len(entry.embedding)} embedding numbers instead of {header.dim}"
-        raise BadInputError(what, where=where)
-    if not 0 <= entry.n_success <= entry.n_trials:
-        raise BadInputError(
-            f"experience {entry.id!r}: {entry.n_success} successes of {entry.n_trials} trials", where=where
-        )

@@ -8,7 +8,8 @@ from typing import Any
 from kb.experience import Strategy
 from kb.lesson import Lesson
 from kb.priors import prior
-from kb.store import ExperienceStore, StoreHeader
+from kb.store import ExperienceStore
+from kb.store_file import StoreHeader
 
 
 @cache

@@ -42,7 +42,9 @@ def test_each_room_is_imported_from_this_tree(room: str) -> None:
 def test_words_do_not_load_the_store() -> None:
     """`import kb` gives words only: neither the store nor chromadb, numpy's users or any other room is loaded."""
     code = "import sys, kb; print(*[m for m in sys.modules if m.split('.')[0] in "
-    code += "('chromadb', 'mujoco', 'langgraph', 'sim', 'tools', 'agent', 'app') or m == 'kb.store'])"
+    code += (
+        "('chromadb', 'mujoco', 'langgraph', 'sim', 'tools', 'agent', 'app') or m in ('kb.store', 'kb.store_file')])"
+    )
     loaded = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert loaded.stdout.split() == []
 

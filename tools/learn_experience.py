@@ -23,7 +23,8 @@ from kb.journal import Change
 from kb.learned import LearnedBase, State, after, speaks_for
 from kb.lesson import Lesson, distinct_poses
 from kb.priors import prior
-from kb.store import ExperienceStore, StoreHeader
+from kb.store import ExperienceStore
+from kb.store_file import StoreHeader
 from kb.switches import Switches
 from kb.taxonomy import CATEGORIES
 from kb.vocabulary import FailureType

@@ -75,7 +75,7 @@ def test_a_file_that_cannot_be_written_keeps_its_content(tmp_path: Path, monkeyp
     def refuse(*_: object, **__: object) -> tuple[int, str]:
         raise OSError(30, "Read-only file system")
 
-    monkeypatch.setattr("kb.store.tempfile.mkstemp", refuse)
+    monkeypatch.setattr("kb.store_file.tempfile.mkstemp", refuse)
     entry = store.all()[0].model_copy(update={"id": "new"})
     with pytest.raises(EnvironmentFaultError, match="cannot write the knowledge base"):
         store.add(entry)
