@@ -5,7 +5,6 @@ Knows nothing of robots or scenes: it paints any compiled model. Colours are lin
 
 from __future__ import annotations
 
-import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -13,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.picture_studio import backdrop, dome, grain, key_points, linear_rgb
 from sim.viewpoint import Viewpoint
 
 Array = NDArray[np.float32]
@@ -162,16 +162,16 @@ class RayPainter:
 
     def _shade(self, hits: _Hits, rays: NDArray[np.float64], viewpoint: Viewpoint, finish: Finish) -> Array:
         """Linear colours (N, 3) of hits."""
-        backdrop = _backdrop(rays)
-        colour = backdrop.copy()
+        behind = backdrop(rays)
+        colour = behind.copy()
         lit = np.flatnonzero(hits.geom != NOTHING)
         if not lit.size:
             return colour
         point, normal, geom = hits.point[lit], hits.normal[lit], hits.geom[lit]
-        albedo = np.where((geom == FLOOR)[:, None], _rgb(0.46, 0.49, 0.53), self._albedo[np.maximum(geom, 0)])
+        albedo = np.where((geom == FLOOR)[:, None], linear_rgb(0.46, 0.49, 0.53), self._albedo[np.maximum(geom, 0)])
         if finish.grain and self._table >= 0:
             wood = (geom == self._table) & (normal[:, 2] > 0.9)
-            albedo[wood] *= _grain(point[wood])[:, None]
+            albedo[wood] *= grain(point[wood])[:, None]
         view = -rays[lit].astype(np.float32)
         diffuse, gloss = self._light(point, normal, view, viewpoint, finish)
         shine = np.where(geom == FLOOR, 0.0, 0.22).astype(np.float32)
@@ -180,7 +180,7 @@ class RayPainter:
         # The studio floor fades into the backdrop, so that it has no horizon.
         away = np.linalg.norm(point[:, :2] - np.array(viewpoint.target[:2], np.float32), axis=1)
         fade = np.where(geom == FLOOR, np.clip((away - 0.9) / 2.6, 0, 1), 0.0).astype(np.float32)[:, None]
-        colour[lit] = shaded * (1 - fade) + backdrop[lit] * fade
+        colour[lit] = shaded * (1 - fade) + behind[lit] * fade
         return colour
 
     def _light(
@@ -188,10 +188,10 @@ class RayPainter:
     ) -> tuple[Array, Array]:
         """Light that arrives (N, 3) and the highlight of the key light (N,)."""
         target = np.asarray(viewpoint.target, np.float64)
-        key = _key_points(target, viewpoint, finish.key_rays)
+        key = key_points(target, viewpoint, finish.key_rays)
         diffuse = np.zeros_like(point)
         gloss: Array = np.zeros(len(point), np.float32)
-        warm = _rgb(1.0, 0.965, 0.91) * 1.95
+        warm = linear_rgb(1.0, 0.965, 0.91) * 1.95
         for lamp in key:
             share, towards = self._arrives(lamp, point, normal)
             diffuse += share[:, None] * warm / len(key)
@@ -199,14 +199,14 @@ class RayPainter:
             half /= np.linalg.norm(half, axis=1, keepdims=True) + 1e-9
             gloss += (share > 0) * np.clip(np.einsum("ij,ij->i", normal, half), 0, 1) ** 60 / len(key)
         up = 0.5 + 0.5 * normal[:, 2:3]
-        sky, ground = _rgb(0.80, 0.90, 1.05), _rgb(0.50, 0.47, 0.44)
+        sky, ground = linear_rgb(0.80, 0.90, 1.05), linear_rgb(0.50, 0.47, 0.44)
         if finish.sky_rays == 0:
             return (diffuse + 0.62 * (sky * up + ground * (1 - up))).astype(np.float32), gloss
-        dome = _dome(target, finish.sky_rays)
+        sky_points = dome(target, finish.sky_rays)
         open_sky = np.zeros(len(point), np.float32)
-        for lamp in dome:
+        for lamp in sky_points:
             open_sky += self._arrives(lamp, point, normal)[0]
-        diffuse += open_sky[:, None] * sky * (1.15 / len(dome)) + 0.22 * (sky * up + 1.3 * ground * (1 - up))
+        diffuse += open_sky[:, None] * sky * (1.15 / len(sky_points)) + 0.22 * (sky * up + 1.3 * ground * (1 - up))
         return diffuse.astype(np.float32), gloss
 
     def _arrives(self, lamp: NDArray[np.float64], point: Array, normal: Array) -> tuple[Array, Array]:
@@ -247,46 +247,6 @@ def _display(colour: Array) -> NDArray[np.uint8]:
     return (np.power(np.clip(colour, 0, 1), np.float32(1 / 2.2)) * 255 + 0.5).astype(np.uint8)
 
 
-def _backdrop(rays: NDArray[np.float64]) -> Array:
-    """A quiet studio gradient by elevation, linear colours (N, 3)."""
-    lift = np.clip(rays[:, 2].astype(np.float32) * 1.2 + 0.55, 0, 1)[:, None]
-    low, high = _rgb(0.72, 0.79, 0.88), _rgb(1.25, 1.30, 1.36)
-    return (low * (1 - lift) + high * lift).astype(np.float32)
-
-
-def _key_points(target: NDArray[np.float64], viewpoint: Viewpoint, count: int) -> NDArray[np.float64]:
-    """Points on the round key light, above and to the left of the viewer, (count, 3)."""
-    right, _, forward = viewpoint.axes()
-    centre = target - 1.0 * forward * (1, 1, 0) - 1.35 * right + np.array([0, 0, 2.2])
-    axis = (target - centre) / np.linalg.norm(target - centre)
-    u = np.cross(axis, [0, 0, 1])
-    u /= np.linalg.norm(u)
-    v = np.cross(axis, u)
-    number = np.arange(count)
-    radius = 0.28 * np.sqrt((number + 0.5) / count) * (count > 1)
-    angle = number * math.pi * (3 - math.sqrt(5))  # the golden angle spreads points evenly
-    return centre + radius[:, None] * (np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v)
-
-
-def _dome(target: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Points spread evenly over the upper half of a sphere of 4 m around the target, (count, 3)."""
-    number = np.arange(count)
-    z = 0.06 + 0.94 * (number + 0.5) / count
-    ring = np.sqrt(1 - z**2)
-    angle = number * math.pi * (3 - math.sqrt(5))
-    return target + 4.0 * np.column_stack([ring * np.cos(angle), ring * np.sin(angle), z])
-
-
-def _grain(point: Array) -> Array:
-    """Brightness factor of planks with fine grain along x at points (N, 3)."""
-    plank = np.floor(point[:, 1] / 0.1333)
-    tone = 1.0 + 0.05 * np.sin(plank * 12.9898 + 1.3)
-    warp = 0.006 * np.sin(point[:, 0] * 7 + plank * 2.1) + 0.003 * np.sin(point[:, 0] * 19 + plank)
-    lines = np.sin((point[:, 1] + warp) * 620) * 0.5 + np.sin((point[:, 1] + 2 * warp) * 233 + plank) * 0.5
-    seam = np.abs(point[:, 1] / 0.1333 - np.round(point[:, 1] / 0.1333)) < 0.006
-    return ((tone + 0.035 * lines) * np.where(seam, 0.86, 1.0)).astype(np.float32)
-
-
 def _edges(colour: Array, geom: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Pixels whose neighbour shows another geom or a clearly different colour, (H, W)."""
     edge = np.zeros(geom.shape, bool)
@@ -297,7 +257,3 @@ def _edges(colour: Array, geom: NDArray[np.int32]) -> NDArray[np.bool_]:
         edge[low] |= jump
         edge[high] |= jump
     return edge
-
-
-def _rgb(red: float, green: float, blue: float) -> NDArray[np.float32]:
-    return np.array([red, green, blue], np.float32)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from bench.make_references import calibrate_unknown, fit_references
-from bench.perception_report import TARGETS, auroc, calibration_error, markdown, run_scene, summarise
+from bench.perception_numbers import TARGETS, auroc, calibration_error, markdown, summarise
+from bench.perception_report import run_scene
 from kb.references import load_references
 
 
