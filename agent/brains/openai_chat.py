@@ -169,7 +169,7 @@ class OpenAIChat:
         )
         for chunk in stream:
             parts.append(str(chunk.text))
-            prompt.hear("".join(parts))
+            prompt.hear(self._keyless("".join(parts), growing=True))
             finish = chunk.response_metadata.get("finish_reason") or finish
             if chunk.usage_metadata:
                 used = (chunk.usage_metadata["input_tokens"], chunk.usage_metadata["output_tokens"])
@@ -179,7 +179,15 @@ class OpenAIChat:
                 raise BrainFaultError("stopped by the person")
         if finish is None:
             raise Passing(f"the reply of {self.where} was cut off")
-        return Reply("".join(parts), *used)
+        return Reply(self._keyless("".join(parts)), *used)
+
+    def _keyless(self, text: str, *, growing: bool = False) -> str:
+        """A server's words without the key, which it may repeat; while they grow, its first letters are held back, too."""
+        if not self._key:
+            return text
+        safe = text.replace(self._key, "[key]")
+        ends = (n for n in range(min(len(self._key), len(safe)), 0, -1) if growing and safe.endswith(self._key[:n]))
+        return safe[: len(safe) - next(ends, 0)]
 
     def _message(self, message: Message) -> dict[str, Any]:
         if not message.pictures or not self.sees:
@@ -228,8 +236,7 @@ class OpenAIChat:
 
     def _said(self, error: Any) -> str:
         """The server's own words, short and without the key."""
-        text = " ".join(str(error).split())[:200]
-        return text.replace(self._key, "[key]") if self._key else text
+        return self._keyless(" ".join(str(error).split()))[:200]
 
     def _models(self) -> list[str]:
         """Models that the server offers, where it says so."""

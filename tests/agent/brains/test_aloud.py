@@ -136,6 +136,21 @@ def test_a_servers_stream_is_heard_and_begins_anew_after_a_cut(monkeypatch: pyte
     assert got.text == GOOD["think"]
 
 
+def test_a_server_that_says_the_key_is_not_heard_saying_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the words while they come, cut through the key, nor the whole reply hold it or the half of it."""
+    key, heard = "sk-abcdefghij", list[str]()
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    before = "so your key is: " + "x" * 7  # the server cuts in the middle of its text
+    text = f"{before}{key}{'y' * (len(before) + 1)}"
+    assert text[: len(text) // 2].endswith("sk-abcd")
+    with fault_server(("ok", text)) as server:
+        chat = OpenAIChat("good", server.url, rng=np.random.default_rng(0), sleep=lambda _s: None)
+        got = chat.reply(Prompt("think", (Message("user", "x"),), hear=heard.append))
+    assert got.text == text.replace(key, "[key]")
+    assert before in heard
+    assert all("sk-" not in said for said in [*heard, got.text])
+
+
 def test_a_recorded_reply_is_heard_as_a_whole(tmp_path: Path) -> None:
     """Replayed, a reply is heard once, and a listener does not change what a prompt is known by."""
     file, heard = tmp_path / "brain.jsonl", list[str]()
