@@ -18,7 +18,7 @@ WORKERS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null ||
 # Exit code 5 of pytest means that no test was selected; a selection that may be empty is no failure.
 ALLOW_EMPTY = || { code=$$?; [ $$code -eq 5 ] || exit $$code; }
 
-.PHONY: help run demo test test-models test-long check lint type format measure bench bench-smoke docs clean
+.PHONY: help run demo test test-models test-long check lint type format measure bench bench-smoke docs figures clean
 
 help:  ## Lists the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'

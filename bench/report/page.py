@@ -12,6 +12,8 @@ from bench.report.findings import Card, Finding
 from bench.report.table import Table
 from bench.report.value import Content, Count, Value, text
 
+WIDE = 12
+"""Tables with more columns are set in smaller type, so that all of them are seen at once on an ordinary screen."""
 STYLE = Path(__file__).with_name("style.css")
 
 
@@ -77,13 +79,21 @@ def _section(section: Section) -> str:
 
 def html_table(table: Table) -> str:
     """A table that scrolls sideways in a narrow window."""
-    head = "".join(f'<th scope="col">{_breakable(name)}</th>' for name in table.columns)
+    head = "".join(_head(table, number) for number in range(len(table.columns)))
     body = "".join(_row(table, row) for row in table.rows)
     note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
+    wide = ' class="wide"' if len(table.columns) > WIDE else ""
     return (
-        f'<div class="block" id="{escape(table.name)}"><h3>{escape(table.title)}</h3><div class="scroll"><table>'
+        f'<div class="block" id="{escape(table.name)}"><h3>{escape(table.title)}</h3><div class="scroll"><table{wide}>'
         f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{note}</div>"
     )
+
+
+def _head(table: Table, number: int) -> str:
+    """The head of a column, above words on the left as they are."""
+    words = bool(table.rows) and all(isinstance(row[number], str) for row in table.rows)
+    kind = ' class="words"' if words and number else ""
+    return f'<th scope="col"{kind}>{_breakable(table.columns[number])}</th>'
 
 
 def _row(table: Table, row: Sequence[Content]) -> str:

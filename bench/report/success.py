@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from agent.configuration import CONFIGURATIONS
 from bench.report.results import CATEGORIES, Results, solved
 from bench.report.table import Table
 from bench.report.value import Content, Count, MeanSd, Share, Span
@@ -12,9 +13,23 @@ from bench.trial import Trial
 
 
 def tables(results: Results) -> list[Table]:
-    """Headline, all cells, repetitions, other suites."""
+    """Headline, all cells, repetitions, other suites, and what the rows are."""
     found = [headline(results), per_task(results), repetitions(results)]
-    return found + ([other_suites(results)] if results.others else [])
+    return found + ([other_suites(results)] if results.others else []) + [legend(results)]
+
+
+def legend(results: Results) -> Table:
+    """What each configuration is, in the words of its definition; names of other versions stand alone."""
+    known = [(name, CONFIGURATIONS.get(name)) for name in results.configurations]
+    return Table(
+        "configurations",
+        "What the configurations are",
+        ("configuration", "is"),
+        tuple((name, row.says if row else None) for name, row in known),
+        "All but vlm_only and paper_literal share perception, candidate generator, kinematics, recovery ladder and, where they "
+        "have the scene graph, clearance scoring.",
+        frozenset({"full"}),
+    )
 
 
 def headline(results: Results) -> Table:
@@ -103,23 +118,27 @@ def repetitions(results: Results) -> Table:
 
 
 def other_suites(results: Results) -> Table:
-    """Tasks outside the twelve: never part of their mean."""
+    """Tasks outside the twelve: never part of their mean. Configurations that ran none of them have no column."""
+    suites = dict.fromkeys(suite for suite, _ in results.others)
+    names = [
+        name for name in results.configurations if any(solved(results.of_suite(name, own, None))[1] for own in suites)
+    ]
     rows: list[tuple[Content, ...]] = []
-    for suite in dict.fromkeys(suite for suite, _ in results.others):
+    for suite in suites:
         tasks = [task for own, task in results.others if own == suite]
         for task in tasks:
-            rows.append((suite, task, *_counts(results, suite, task)))
+            rows.append((suite, task, *_counts(results, names, suite, task)))
         if len(tasks) > 1:
-            rows.append((suite, "all", *_counts(results, suite, None)))
+            rows.append((suite, "all", *_counts(results, names, suite, None)))
     return Table(
         "other_suites",
         "Supplementary tasks and clutter",
-        ("suite", "task", *results.configurations),
+        ("suite", "task", *names),
         tuple(rows),
         "Outside the twelve tasks and never part of their mean.",
         shaded=True,
     )
 
 
-def _counts(results: Results, suite: str, task: str | None) -> list[Content]:
-    return [Count(*solved(results.of_suite(name, suite, task))) for name in results.configurations]
+def _counts(results: Results, names: Sequence[str], suite: str, task: str | None) -> list[Content]:
+    return [Count(*solved(results.of_suite(name, suite, task))) for name in names]

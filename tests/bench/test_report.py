@@ -11,16 +11,18 @@ from pathlib import Path
 
 import pytest
 
+from agent.configuration import CONFIGURATIONS
 from bench.paper_tables import FIVE_RUNS, PER_TASK, RECOVERED, TABLE_II, TABLE_III, TABLE_V
 from bench.report import Extras, write_report
 from bench.report.__main__ import main
 from bench.report.contrasts import REGISTERED, adjusted, contrasts
 from bench.report.findings import findings
 from bench.report.noise import curves
+from bench.report.page import html_table
 from bench.report.recovery import endings, tables
 from bench.report.results import Results
 from bench.report.safety import satisfaction
-from bench.report.success import headline, repetitions
+from bench.report.success import headline, legend, other_suites, repetitions
 from bench.report.table import Table
 from bench.report.value import Count, Number, PValue, Span
 from bench.trial import Trial, digest
@@ -104,6 +106,29 @@ def test_latex_is_balanced_and_escaped(trials: list[Trial], tmp_path: Path) -> N
     assert body.count(r"\begin{table}") == body.count(r"\end{table}") > 10
     lines = [line for line in body.splitlines() if not line.startswith(("%", r"\label"))]
     assert [line for line in lines if re.search(r"(?<!\\)[_%#]", line)] == []
+
+
+def test_every_configuration_of_the_report_is_explained(trials: list[Trial]) -> None:
+    """The report says in words what each row is; vlm_only names the fixed default grasp that it uses."""
+    results = Results(trials)
+    said = {str(row[0]): row[1] for row in legend(results).rows}
+    assert list(said) == list(results.configurations)
+    assert "default grasp" in CONFIGURATIONS["vlm_only"].says
+    assert all(said[name] == CONFIGURATIONS[name].says for name in said if name in CONFIGURATIONS)
+
+
+def test_supplementary_tables_have_no_empty_columns() -> None:
+    """A configuration that ran none of the tasks outside the twelve has no column there."""
+    rows = [trial_row("full"), trial_row("heuristic"), trial_row("full", "filled_cup", suite="supplementary")]
+    table = other_suites(Results([digest(row) for row in rows]))
+    assert table.columns == ("suite", "task", "full")
+
+
+def test_wide_tables_are_set_to_fit() -> None:
+    """A table with more than twelve columns is marked wide, so that a page of 1300 pixels shows all of it; others are not."""
+    assert '<table class="wide">' in html_table(Table("t", "T", tuple("abcdefghijklmn"), ()))
+    assert "<table>" in html_table(Table("t", "T", ("a", "b"), (("x", "words"),)))
+    assert '<th scope="col" class="words">' in html_table(Table("t", "T", ("a", "b"), (("x", "words"),)))
 
 
 def test_headline_counts_every_trial_of_the_twelve_tasks(trials: list[Trial]) -> None:
