@@ -5,64 +5,17 @@ from __future__ import annotations
 import math
 import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from kb.errors import BadInputError
-from kb.grasp import Grasp
-from sim.build_model import TIMESTEP
-from sim.carry_path import way_down
-from sim.controller import along, follow, part
 from sim.hand import FULL_LIFT
-from sim.kinematics import forward
 from sim.motion import Obstacle
-from sim.motion_run import MotionRun
-from sim.panda import READY
-from sim.place_motion import go_back
-from sim.placed import PlacedObject
-from sim.recording import Recording
 from sim.robot import Robot
 from sim.stop import StopSwitch
 from sim.world import World
-
-
-def _top(x: float, y: float, z: float, yaw: float = 0.0, **fields) -> Grasp:
-    values = {"aperture": 0.07, "force": 15.0, "type": "pinch"} | fields
-    return Grasp(position=(x, y, z), approach=(0, 0, -1), yaw=yaw, **values)
-
-
-def _side(x: float, y: float, z: float, azimuth: float, **fields) -> Grasp:
-    values = {"aperture": 0.08, "force": 20.0, "type": "side"} | fields
-    return Grasp(
-        position=(x, y, z), approach=(math.cos(azimuth), math.sin(azimuth), 0), yaw=azimuth + math.pi / 2, **values
-    )
-
-
-def _box(thing: PlacedObject) -> Obstacle:
-    x, y, z = thing.position
-    return Obstacle((x, y, z + thing.size[2] / 2), 0.0, tuple(value / 2 for value in thing.size))
-
-
-def _at(world: World, name: str) -> np.ndarray:
-    return world.data.qpos[world.index.objects[name].qpos][:3].copy()
-
-
-class Keeper:
-    def __init__(self, world: World) -> None:
-        self.kept: list[Recording] = []
-        world.recorders.append(self)
-
-    def on_recording(self, recording: Recording) -> None:
-        self.kept.append(recording)
-
-    def phases(self) -> list[str]:
-        out: list[str] = []
-        for record in self.kept:
-            if not out or out[-1] != record.phase:
-                out.append(record.phase)
-        return out
+from tests.robot_fixtures import Keeper, box_of, from_above, from_aside, place_of
 
 
 @pytest.mark.parametrize("kind", ["cube", "can", "ball"])
@@ -74,17 +27,17 @@ def test_random_poses_are_lifted_held_and_shaken(kind: str, cube, can, ball, sce
         turn = rng.uniform(-3, 3)
         if kind == "cube":
             thing = cube(x=x, y=y, quaternion=(math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)))
-            grasp = _top(x, y, 0.025, turn)
+            grasp = from_above(x, y, 0.025, turn)
         elif kind == "ball":
-            thing, grasp = ball(x=x, y=y), _top(x, y, 0.0325, turn)
+            thing, grasp = ball(x=x, y=y), from_above(x, y, 0.0325, turn)
         else:
-            thing, grasp = can(x=x, y=y), _side(x, y, 0.1, math.atan2(y, x) + math.copysign(0.35, turn))
+            thing, grasp = can(x=x, y=y), from_aside(x, y, 0.1, math.atan2(y, x) + math.copysign(0.35, turn))
         world = World(scene(thing))
         robot = Robot(world)
-        felt = robot.grasp(grasp, obstacles=[_box(thing)])
+        felt = robot.grasp(grasp, obstacles=[box_of(thing)])
         assert felt.stopped_by is None
         assert robot.holding
-        assert _at(world, kind)[2] > 0.12
+        assert place_of(world, kind)[2] > 0.12
         assert felt.load_end == pytest.approx(thing.mass, abs=2e-3)
         assert felt.held_s > 4.0
         assert felt.tracking_error < 4e-3
@@ -94,7 +47,7 @@ def test_the_sensing_tells_the_width_force_load_and_phases(cube, scene) -> None:
     """The fingers stop at the object's width with the commanded force; the load is its mass; phases come in order."""
     world = World(scene(cube(x=0.5, y=0.1)))
     keeper, robot = Keeper(world), Robot(world)
-    felt = robot.grasp(_top(0.5, 0.1, 0.025))
+    felt = robot.grasp(from_above(0.5, 0.1, 0.025))
     assert felt.aperture_start == pytest.approx(0.07, abs=1e-3)
     assert felt.aperture_closed == pytest.approx(0.05, abs=1e-3)
     assert felt.motor_force_closed == pytest.approx(15.0, rel=0.02)
@@ -112,7 +65,7 @@ def test_the_shake_rocks_the_hand_by_fifteen_degrees(cube, scene) -> None:
     """During the shake the approach tilts by 15 degrees both ways and the tool point stays within 5 mm."""
     world = World(scene(cube(x=0.5, y=0.1)))
     keeper, robot = Keeper(world), Robot(world)
-    robot.grasp(_top(0.5, 0.1, 0.025))
+    robot.grasp(from_above(0.5, 0.1, 0.025))
     rows = np.concatenate([record.sensordata for record in keeper.kept if record.phase == "shake"])
     quaternion = rows[:, world.index.sensors["robot/tcp_quaternion"]]
     up = 1.0 - 2.0 * (quaternion[:, 1] ** 2 + quaternion[:, 2] ** 2)
@@ -125,19 +78,19 @@ def test_an_empty_grasp_is_felt(cube, scene) -> None:
     """Closing beside the object ends with closed fingers, no load, and without the full lift."""
     world = World(scene(cube(x=0.5, y=0.1)))
     robot = Robot(world)
-    felt = robot.grasp(_top(0.5, -0.1, 0.025))
+    felt = robot.grasp(from_above(0.5, -0.1, 0.025))
     assert felt.aperture_closed < 1e-3
     assert abs(felt.load_lifted) < 2e-3
     assert not robot.holding
     assert felt.lift_height < 0.03
-    assert _at(world, "cube") == pytest.approx((0.5, 0.1, 0.0), abs=1e-4)
+    assert place_of(world, "cube") == pytest.approx((0.5, 0.1, 0.0), abs=1e-4)
 
 
 def test_too_little_force_slips_and_is_felt(cube, scene) -> None:
     """Coulomb: 2 x 0.6 x 3 N cannot lift 1 kg; the load stays on the table and the robot weighs almost nothing."""
     world = World(scene(cube(x=0.5, y=0.1, mass=1.0)))
-    felt = Robot(world).grasp(_top(0.5, 0.1, 0.025, force=3.0), shake=False)
-    assert _at(world, "cube")[2] < 0.02
+    felt = Robot(world).grasp(from_above(0.5, 0.1, 0.025, force=3.0), shake=False)
+    assert place_of(world, "cube")[2] < 0.02
     assert felt.load_end < 0.1
 
 
@@ -145,7 +98,7 @@ def test_the_reflex_stops_an_approach_into_an_obstacle(cube, scene) -> None:
     """A fixed block under a finger triggers the reflex: the arm stops, backs off, and reports the force."""
     world = World(scene(cube(x=0.5, y=0.1), cube("post", x=0.54, y=0.1, half=0.012, z=0.06, fixed=True)))
     keeper, robot = Keeper(world), Robot(world)
-    felt = robot.grasp(_top(0.5, 0.1, 0.025, aperture=0.08))
+    felt = robot.grasp(from_above(0.5, 0.1, 0.025, aperture=0.08))
     assert felt.stopped_by == "force"
     assert felt.phase == "approach"
     assert felt.abort_force >= 30.0
@@ -162,7 +115,7 @@ def test_a_lower_limit_stops_earlier(cube, scene) -> None:
     forces = []
     for limit in (8.0, 30.0):
         world = World(scene(cube("post", x=0.54, y=0.1, half=0.012, z=0.06, fixed=True)))
-        felt = Robot(world).grasp(_top(0.5, 0.1, 0.025, aperture=0.08, speed=0.3), force_limit=limit)
+        felt = Robot(world).grasp(from_above(0.5, 0.1, 0.025, aperture=0.08, speed=0.3), force_limit=limit)
         assert felt.stopped_by == "force"
         forces.append(felt.abort_force)
     assert 8.0 <= forces[0] < forces[1]
@@ -172,43 +125,14 @@ def test_out_of_reach_and_walled_in_are_reported_without_motion(cube, scene) -> 
     """An unreachable grasp and one without a free path move nothing and say so."""
     world = World(scene(cube(x=0.5, y=0.1)))
     robot, begun = Robot(world), world.time
-    far = robot.grasp(_top(1.2, 0.0, 0.025))
+    far = robot.grasp(from_above(1.2, 0.0, 0.025))
     assert (far.reachable, far.stopped_by, far.phase) == (False, "unreachable", "plan")
     assert far.ik_residual > 0.1
     cage = [Obstacle((0.5, s * 0.16 + 0.1, 0.5), 0.0, (0.4, 0.02, 0.5)) for s in (1, -1)]
     cage += [Obstacle((x, 0.1, 0.62), 0.0, (0.02, 0.3, 0.6)) for x in (0.40, 0.62)]
-    walled = robot.grasp(_top(0.5, 0.1, 0.025), obstacles=cage)
+    walled = robot.grasp(from_above(0.5, 0.1, 0.025), obstacles=cage)
     assert (walled.reachable, walled.stopped_by) == (True, "path")
     assert world.time == begun
-
-
-def test_placing_is_gentle_and_ends_at_home(cube, scene) -> None:
-    """The object stands where it was to go, 3 mm at most off, was set down with less than 20 N, and the arm is home."""
-    world = World(scene(cube(x=0.5, y=0.1)))
-    robot = Robot(world)
-    robot.grasp(_top(0.5, 0.1, 0.025), shake=False)
-    keeper = Keeper(world)
-    felt = robot.place((0.55, -0.15, 0.027))
-    assert felt.stopped_by is None
-    assert _at(world, "cube") == pytest.approx((0.55, -0.15, 0.0), abs=3e-3)
-    rows = np.concatenate([record.sensordata for record in keeper.kept])
-    force = np.linalg.norm(rows[:, world.index.sensors["truth/cube/table"]][:, 1:4], axis=1)
-    assert np.convolve(force, np.full(5, 0.2), "valid").max() < 20.0
-    assert not robot.holding
-    assert robot.joints == pytest.approx(READY, abs=5e-3)
-    assert keeper.phases() == ["carry", "set_down", "release", "retreat", "home"]
-
-
-def test_release_puts_the_object_back_where_it_was(cube, scene) -> None:
-    """After a lift, `release_and_home` lowers the object first: it ends within 3 mm of its start, never dropped."""
-    world = World(scene(cube(x=0.5, y=0.1)))
-    robot = Robot(world)
-    robot.grasp(_top(0.5, 0.1, 0.025), shake=False)
-    felt = robot.release_and_home()
-    assert felt.stopped_by is None
-    assert _at(world, "cube") == pytest.approx((0.5, 0.1, 0.0), abs=3e-3)
-    assert robot.joints == pytest.approx(READY, abs=5e-3)
-    assert robot.aperture > 0.06
 
 
 def test_a_stop_ends_the_motion_and_latches(cube, scene) -> None:
@@ -216,7 +140,7 @@ def test_a_stop_ends_the_motion_and_latches(cube, scene) -> None:
     world = World(scene(cube(x=0.5, y=0.1)))
     stop = StopSwitch()
     robot = Robot(world, stop=stop)
-    robot.grasp(_top(0.5, 0.1, 0.025), shake=False)
+    robot.grasp(from_above(0.5, 0.1, 0.025), shake=False)
     pressed_at: list[tuple[float, float]] = []
     original = world.run
 
@@ -254,16 +178,16 @@ def test_a_full_hand_refuses_a_second_grasp(cube, scene) -> None:
     """Grasping while holding is bad input."""
     world = World(scene(cube(x=0.5, y=0.1)))
     robot = Robot(world)
-    robot.grasp(_top(0.5, 0.1, 0.025), shake=False)
+    robot.grasp(from_above(0.5, 0.1, 0.025), shake=False)
     with pytest.raises(BadInputError, match="already holds"):
-        robot.grasp(_top(0.5, -0.1, 0.025))
+        robot.grasp(from_above(0.5, -0.1, 0.025))
 
 
 def test_a_motion_gives_up_after_a_minute(cube, scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """Simulated time beyond the limit ends the motion with "timeout"."""
     monkeypatch.setattr("sim.motion_run.TIME_LIMIT", 2.0)
     world = World(scene(cube(x=0.5, y=0.1)))
-    felt = Robot(world).grasp(_top(0.5, 0.1, 0.025))
+    felt = Robot(world).grasp(from_above(0.5, 0.1, 0.025))
     assert felt.stopped_by == "timeout"
     assert felt.sim_time < 2.4
 
@@ -275,55 +199,12 @@ def test_half_a_minute_of_holding_drifts_less_than_two_millimetres(kind: str, cu
     from sim.controller import hold
 
     thing = {"cube": cube, "can": can, "ball": ball}[kind](x=0.5, y=0.1)
-    grasp = _side(0.5, 0.1, 0.1, 0.55) if kind == "can" else _top(0.5, 0.1, thing.size[2] / 2)
+    grasp = from_aside(0.5, 0.1, 0.1, 0.55) if kind == "can" else from_above(0.5, 0.1, thing.size[2] / 2)
     world = World(scene(thing))
     robot = Robot(world)
-    robot.grasp(grasp, shake=False, obstacles=[_box(thing)])
-    before, tool = _at(world, kind), world.read("robot/tcp_position")
+    robot.grasp(grasp, shake=False, obstacles=[box_of(thing)])
+    before, tool = place_of(world, kind), world.read("robot/tcp_position")
     for _ in range(6):
         world.run(hold(world.data.ctrl[0:21:3], float(world.data.ctrl[21]), 5.0), "hold")
-    assert np.linalg.norm(_at(world, kind) - before) < 2e-3
+    assert np.linalg.norm(place_of(world, kind) - before) < 2e-3
     assert np.linalg.norm(world.read("robot/tcp_position") - tool) < 2e-4
-
-
-def test_the_bin_is_avoided_without_being_seen(cube, scene) -> None:
-    """The set-up's bin stands in the way of a carry; the arm goes over its walls and drops nothing."""
-    corners = ((0.30, 0.425, -0.02), (0.60, 0.675, 0.08))
-    world = World(replace(scene(cube(x=0.5, y=0.2)), bin=corners))
-    robot = Robot(world)
-    assert robot.bin == corners
-    robot.grasp(_top(0.5, 0.2, 0.025), shake=False)
-    felt = robot.place((0.45, 0.55, 0.06))
-    assert felt.stopped_by is None
-    x, y, _ = _at(world, "cube")
-    assert 0.30 < x < 0.60
-    assert 0.425 < y < 0.675
-
-
-def test_a_handover_holds_the_object_out_and_keeps_it(cube, scene) -> None:
-    """Held out in front and in the air, the object stays in the hand; releasing then sets it on the table upright."""
-    world = World(scene(cube(x=0.5, y=0.1)))
-    robot = Robot(world)
-    robot.grasp(_top(0.5, 0.1, 0.025), shake=False)
-    felt = robot.handover()
-    assert felt.stopped_by is None
-    assert felt.load_min == pytest.approx(0.09, abs=3e-3)
-    assert robot.holding
-    assert _at(world, "cube")[2] > 0.35
-    robot.release_and_home()
-    assert abs(_at(world, "cube")[2]) < 1e-3
-
-
-def test_a_hand_goes_back_the_way_it_came(scene, cube) -> None:
-    """From below a set-down the arm gets up and back to where the way to it began, to within 1 mrad a joint."""
-    world = World(scene(cube(x=0.5, y=-0.2)))
-    motion = MotionRun(world, StopSwitch())
-    goal = forward(READY)
-    goal[:3, 3] = 0.5, 0.2, 0.08
-    way = way_down(goal, READY, (), None)
-    assert way is not None
-    motion.run_guarded(way.transit.samples(TIMESTEP), 0.04, "carry", 30.0)
-    motion.run(follow(along(part(way.path, 0.0, 0.8), 1.0), 0.04, motion.commanded), "set_down")
-    go_back(motion, way)
-    assert motion.commanded == pytest.approx(READY, abs=1e-3)
-    assert motion.joints == pytest.approx(READY, abs=0.02)
