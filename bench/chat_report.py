@@ -28,6 +28,10 @@ SCENE = ("--scene", "single_cube", "--seed", "10001")
 IDLE_S = 20.0
 """How long an idle server is watched [s]."""
 MOTIONS = ("execute_grasp", "place_object")
+ROUND = (
+    ("pick up the cube", r"Answer +"), ("/why", r"Why +"), ("what do you see", r"Answer +"), ("put it back", r"Answer +"),
+)  # fmt: skip
+"""What is said over and over while memory is watched, and what shows that it was answered."""
 
 
 @dataclass(frozen=True)
@@ -235,8 +239,9 @@ def memory(commands: int) -> list[Line]:
         try:
             chat.expect(PROMPT)
             for number in range(commands):
-                chat.type("pick up the cube" if number % 2 == 0 else "put it back")
-                chat.expect(r"Answer +")
+                words, answered = ROUND[number % len(ROUND)]
+                chat.type(words)
+                chat.expect(answered)
                 chat.expect(PROMPT)
                 chat.text, chat._seen = "", 0
                 if number + 1 in (2 * commands // 5, commands):
