@@ -40,6 +40,9 @@ SHADED = 3.0
 FEWEST_BELOW = 60
 """Points of what carries a wider thing, which hides most of it."""
 
+FEWEST_UNDER, CARRIED_HIGH = 20, 0.025
+"""A flat thing that is surely known, and so high above the table [m], is carried by whatever shows this many points."""
+
 HOLDERS = ("bowl", "cup", "mug")
 """What has room for a thing of some size."""
 
@@ -48,6 +51,10 @@ INNER = (0.92, 0.83, 0.74, 0.65)
 
 LOOKS_OUT, STRANGE_CONTENT = 0.010, 3.0
 """What nothing known fits is content if it reaches this far above the rim [m], and counts as so strange (log novelty)."""
+
+HOLDER_REST, HOLDER_DROP = 1.5, 1.1
+"""A holder whose wall is partly hidden by what sticks out of it may be this strange if it is by so much less strange than
+the whole (log novelty)."""
 
 FLOOR = 0.2
 """Content reaches higher than this share of its holder [-]."""
@@ -111,12 +118,13 @@ def _contained(whole: Measured, judgement: Judgement, judge: Judge) -> Mask | No
         if not _enough(part):
             continue
         _, outer = judge(part_of(blob, ~part), 0.0, None)
-        if outer.category not in HOLDERS or outer.distance > SURE:
+        sticks_out = whole.top - float(np.quantile(blob.xyz[~part, 2], 0.98)) > LOOKS_OUT
+        most = max(SURE, min(HOLDER_REST, judgement.distance - HOLDER_DROP)) if sticks_out else SURE
+        if outer.category not in HOLDERS or outer.distance > most:
             continue
         content, inner = judge(part_of(blob, part), 0.0, None)
         fits = content.is_ball or inner.distance < SURE
-        rim = float(np.quantile(blob.xyz[~part, 2], 0.98))
-        if not (fits or whole.top - rim > LOOKS_OUT):
+        if not (fits or sticks_out):
             continue
         misfit = outer.distance + (inner.distance if fits else STRANGE_CONTENT)
         if best is None or misfit < best[0]:
@@ -135,10 +143,16 @@ def _stacked(whole: Measured, judge: Judge) -> Mask | None:
     blob = whole.blob
     for number, height in enumerate((whole.top - FLAT, *heights_of_steps(blob.xyz))):
         upper = blob.xyz[:, 2] > height
-        if min(int(upper.sum()), int((~upper).sum())) < FEWEST_BELOW:
+        seen_below = int((~upper).sum())
+        flat = number == 0 and height - whole.base > CARRIED_HIGH
+        if int(upper.sum()) < FEWEST_BELOW or seen_below < (FEWEST_UNDER if flat else FEWEST_BELOW):
             continue
         load, above = judge(part_of(blob, upper), height, None)
         if not _known(above):
+            continue
+        if flat and above.distance < SURE:
+            return upper
+        if seen_below < FEWEST_BELOW:
             continue
         below = judge(part_of(blob, ~upper), 0.0, load)[1]
         if _both(above, below) or (number == 0 and below.distance < SHADED):

@@ -92,3 +92,18 @@ def test_two_known_things_of_one_colour_that_touch_are_two() -> None:
     percept = _percept(random_scene(np.random.default_rng(11180), arrangement="touching", free_colours=False), 11180)
     assert sorted(thing.category for thing in percept.objects).count("mug") == 2
     assert "tennis_ball" in [thing.category for thing in percept.objects]
+
+
+@pytest.mark.parametrize("seed", [16004, 16025])
+def test_a_phone_that_hides_what_it_lies_on_is_carried_by_something(seed: int) -> None:
+    """Of the cube below, of the phone's colour, hardly anything shows: still there are two things, one on the other."""
+    scene = random_scene(np.random.default_rng(seed), arrangement="stacked", free_colours=False)
+    percept = _percept(scene, seed)
+    assert len(percept.objects) == len(scene.objects)
+
+
+@pytest.mark.parametrize("seed", [16007, 16105])
+def test_a_block_hides_the_wall_of_the_bowl_that_it_sticks_out_of(seed: int) -> None:
+    """The bowl is seen as a bowl though its content of the same colour hides part of its wall."""
+    percept = _percept(contained_scene(np.random.default_rng(seed)), seed)
+    assert sorted(thing.category == "bowl" for thing in percept.objects) == [False, True]
