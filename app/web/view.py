@@ -1,6 +1,6 @@
 """The live 3D view: the Panda's meshes and the objects where physics has them, candidate grasps as grippers with scores.
 
-It shows; nothing in it can be pressed, and nothing of it reaches physics.
+It shows; a click on a gripper shows its text, and nothing of it reaches physics.
 """
 
 from __future__ import annotations
@@ -109,13 +109,14 @@ class View:
     # Candidate grasps ---------------------------------------------------------------------------------------------
 
     def candidates(self, candidates: Sequence[Candidate]) -> None:
-        """Draws these grasps as grippers with their rank and score, and nothing of earlier ones."""
+        """Draws these grasps as grippers, and nothing of earlier ones; a click on a gripper shows its text."""
         with self._lock, self._server.atomic():
             for handles in self._grippers.values():
                 _remove(handles)
             self._candidates, self._grippers, self._pointed = tuple(candidates[:MAX_SHOWN]), {}, None
             for rank, candidate in enumerate(self._candidates, start=1):
-                self._grippers[candidate.name] = self._draw(rank, candidate, pointed=False)
+                self._grippers[candidate.name] = self._draw(rank, candidate)
+            self._colour()
 
     def place(self, point: tuple[float, float] | None) -> None:
         """Marks where something is to be put down (x, y) [m]; None takes the mark away."""
@@ -132,40 +133,45 @@ class View:
             ]
 
     def point(self, name: str | None) -> None:
-        """Sets off the gripper of that name, as the list beside it does."""
+        """Sets off the gripper of that name, as the list beside it does; None sets off the chosen one."""
         with self._lock, self._server.atomic():
-            if name == self._pointed:
-                return
-            for touched in (self._pointed, name):
-                for rank, candidate in enumerate(self._candidates, start=1):
-                    if touched is not None and candidate.name == touched:
-                        _remove(self._grippers[touched])
-                        self._grippers[touched] = self._draw(rank, candidate, pointed=touched == name)
-            self._pointed = name
+            if name != self._pointed:
+                self._pointed = name
+                self._colour()
 
-    def _draw(self, rank: int, candidate: Candidate, *, pointed: bool) -> list[Any]:
+    def _click(self, name: str) -> None:
+        """A gripper was clicked in the view: its text appears, and goes with the next click on it."""
+        self.point(None if name == self._pointed else name)
+
+    def _colour(self) -> None:
+        """One gripper at a time has its text, so that two texts never lie over each other."""
+        pointed = self._pointed if self._pointed in self._grippers else None
+        for candidate in self._candidates:
+            gripper, label = self._grippers[candidate.name]
+            set_off = candidate.name == pointed
+            gripper.color = POINTED if set_off else CHOSEN if candidate.chosen else OTHER
+            gripper.opacity = 0.85 if set_off else 0.6 if candidate.chosen else 0.4
+            label.visible = set_off or (candidate.chosen and pointed is None)
+
+    def _draw(self, rank: int, candidate: Candidate) -> list[Any]:
         from sim.hand import TCP_OFFSET, hand_boxes
 
         grasp, rotation = candidate.grasp, candidate.grasp.rotation()
-        colour = POINTED if pointed else CHOSEN if candidate.chosen else OTHER
-        opacity = 0.85 if pointed else 0.6 if candidate.chosen else 0.4
         vertices, faces = _boxes(hand_boxes(grasp.aperture))
         vertices = (vertices - (0.0, 0.0, TCP_OFFSET)) @ rotation.T + np.asarray(grasp.position)
-        name = f"/candidates/{rank}/gripper"
         scene = self._server.scene
-        handles: list[Any] = [
-            scene.add_mesh_simple(
-                name, vertices, faces, color=colour, opacity=opacity, flat_shading=True, cast_shadow=False,
-                receive_shadow=False, side="double",
-            )
-        ]  # fmt: skip
-        if pointed or candidate.chosen:
-            behind = np.asarray(grasp.position) - 0.15 * rotation[:, 2]
-            text = f"#{rank}  score {candidate.score:.2f}  {grasp.type}  {grasp.force:.1f} N"
-            handles.append(
-                scene.add_label(f"/candidates/{rank}/label", text, position=tuple(behind), anchor="bottom-center")
-            )
-        return handles
+        gripper = scene.add_mesh_simple(
+            f"/candidates/{rank}/gripper", vertices, faces, color=OTHER, opacity=0.4, flat_shading=True,
+            cast_shadow=False, receive_shadow=False, side="double",
+        )  # fmt: skip
+        # Of the pointer viser tells the server of clicks on a part of the scene, never of hovering over it.
+        gripper.on_click(lambda _event: self._click(candidate.name))
+        behind = np.asarray(grasp.position) - 0.15 * rotation[:, 2]
+        text = f"#{rank}  score {candidate.score:.2f}  {grasp.type}  {grasp.force:.1f} N"
+        label = scene.add_label(
+            f"/candidates/{rank}/label", text, position=tuple(behind), anchor="bottom-center", visible=False
+        )
+        return [gripper, label]
 
 
 def _remove(handles: Sequence[Any]) -> None:
