@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
+import unicodedata
 from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -258,14 +259,22 @@ def begin(instruction: str) -> dict[str, Any]:
     return {"instruction": instruction, "said": "", "call": None, "calls": (), "times": None, "use": None}
 
 
+def is_blank(text: str) -> bool:
+    """Whether nothing can be seen of it: spaces, and characters without width or ink (Unicode Cf, Cc, Z*)."""
+    return all(unicodedata.category(char)[0] in "CZ" for char in text)
+
+
 def checked(instruction: str) -> str:
     """The instruction, if it can be one.
 
     Raises:
-        BadInputError: it is empty, or longer than `MAX_INSTRUCTION` characters.
+        BadInputError: it is no text, it is empty or says nothing that can be seen, or is longer than `MAX_INSTRUCTION`
+            characters.
     """
+    if not isinstance(instruction, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise BadInputError(f"the instruction is no text but {type(instruction).__name__}", where="instruction")
     text = instruction.strip()
-    if not text:
+    if is_blank(text):
         raise BadInputError("the instruction is empty", where="instruction")
     if len(instruction) > MAX_INSTRUCTION:
         raise BadInputError(

@@ -91,6 +91,8 @@ class Placement(Noun):
     """For "back": where the thing was [m], if it is not in the hand any more; else: where a person wants it."""
     or_aside: bool = False
     """Where there is no bin, out of the way will do ("remove the block")."""
+    from_hand: bool = False
+    """Only what is in the hand is put down ("drop it", "let go"): nothing is taken up for it."""
     lane: tuple[int, int] | None = None
     """(number from the robot's left, number of lanes)."""
 

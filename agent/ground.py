@@ -11,6 +11,7 @@ from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_RELOOKS
 from agent.language.describe import describe, listing, spoken
 from agent.language.resolve import Resolution, Scope, resolve
+from agent.possible import EMPTY_HAND, impossible, lets_go_of_nothing, single
 from agent.state import State, Update, merged
 from kb.percept import PerceivedObject, Percept
 
@@ -40,7 +41,7 @@ def ground_goals(state: State) -> Grounded:
         return _thing(state, percept)
     if goal.kind in ("clear", "sort"):
         return _many(state, percept)
-    return _asked(state, percept)
+    return _asked(state)
 
 
 def scope_of(state: State) -> Scope:
@@ -52,12 +53,15 @@ def scope_of(state: State) -> Scope:
 def _refusal(state: State, percept: Percept) -> Grounded | None:
     """The first goal whose thing (or place) is absent or ambiguous: then nothing moves at all."""
     scope = scope_of(state)
+    meant: PerceivedObject | None = None
     for index, goal in enumerate(state.goals):
         if goal.kind == "clear" and percept.bin is None:
             return _say(state, "There is no bin here to clear anything into.")
         for reference in (goal.reference, goal.placement.reference if goal.placement else None):
             if reference is None or not goal.moves or _later(reference, index):
                 continue
+            if reference.pronoun and lets_go_of_nothing(scope.held, goal, None, earlier=index > 0):
+                return _say(state, EMPTY_HAND)
             got = resolve(reference, scope) if not _only_place(reference) else Resolution(ids=("",))
             if not got.ids:
                 return _say(state, got.problem or "I see nothing like that.")
@@ -69,6 +73,12 @@ def _refusal(state: State, percept: Percept) -> Grounded | None:
                         return _several(state, index, got, percept)
                     return _say(state, f"I can hold only one thing at a time. Which one: {_choices(got, percept)[0]}?")
                 return _ask(state, index, reference, got, percept)
+        if goal.kind in ("pick", "place") and goal.reference is not None:
+            if not _later(goal.reference, index):
+                meant = single(goal.reference, scope)
+            problem = impossible(goal, meant, scope, earlier=index > 0)
+            if problem is not None:
+                return _say(state, problem)
     return None
 
 
@@ -131,7 +141,7 @@ def _several(state: State, index: int, got: Resolution, percept: Percept) -> Gro
 
 def _thing(state: State, percept: Percept) -> Grounded:
     """The object of a pick or place goal."""
-    goal, scope = state.goal, scope_of(state)
+    goal, scope, held = state.goal, scope_of(state), state.held
     assert goal.reference is not None
     got = resolve(goal.reference, scope)
     if not got.clear:
@@ -139,7 +149,6 @@ def _thing(state: State, percept: Percept) -> Grounded:
             return _over(state, got.problem or "I do not see it.")
         return _ask(state, state.agenda[-1], goal.reference, got, percept)
     obj = next(o for o in scope.objects if o.id == got.ids[0])
-    held = state.held
     if held is not None and obj.id != held.object.id:
         return _free_hand(state, held)
     placement, problem = destination(goal.placement, scope)
@@ -203,8 +212,7 @@ def _over(state: State, text: str) -> Grounded:
 
 def _again(state: State, percept: Percept) -> Grounded:
     """The target after another look: the same id, or the thing of its kind near where it was."""
-    goal = state.goal
-    held = state.held
+    goal, held = state.goal, state.held
     if held is not None and held.object.id == goal.target:
         return Grounded(Update())
     if held is not None:
@@ -228,11 +236,10 @@ def _nearest_like(goal: Goal, percept: Percept) -> PerceivedObject | None:
     if goal.target_position is None:
         return None
     x, y = goal.target_position[0], goal.target_position[1]
-    taken = {goal.target}
     like = [
         obj
         for obj in percept.objects
-        if obj.id not in taken
+        if obj.id != goal.target
         and (obj.category == goal.target_category or goal.target_category in obj.posterior)
         and (obj.category == goal.target_category or obj.posterior[goal.target_category or ""] > 0.1)
         and ((obj.position[0] - x) ** 2 + (obj.position[1] - y) ** 2) ** 0.5 < SAME_PLACE
@@ -276,7 +283,7 @@ def _weight(obj: PerceivedObject) -> float:
     return sum(obj.mass) / 2
 
 
-def _asked(state: State, percept: Percept) -> Grounded:
+def _asked(state: State) -> Grounded:
     """What a question is about; that it is absent is an answer, not a refusal, except to where it is."""
     goal = state.goal
     if goal.reference is None:
@@ -290,5 +297,4 @@ def _asked(state: State, percept: Percept) -> Grounded:
             "note": got.problem or got.note,
         }
     )
-    del percept
     return Grounded(Update(goals=changed(state, grounded), last_target=target or state.last_target))

@@ -42,7 +42,12 @@ def print_log(folder: Path, *, everything: bool, json_output: bool) -> None:
         print(f"{change.version:>6}  {change.kind:<12}{change.says}")
     lessons = sum(change.kind == "lesson" for change in base.journal.changes)
     waiting = sum(len(kept) for kept in base.state.quarantine.values())
-    print(f"version {base.version}: {len(base.state.entries)} entries, {lessons} lessons, {waiting} in quarantine")
+    print(f"version {base.version}: {_entries(base)}, {lessons} lessons, {waiting} in quarantine")
+
+
+def _entries(base: LearnedBase) -> str:
+    count = len(base.state.entries)
+    return f"{count} entr{'y' if count == 1 else 'ies'}"
 
 
 def _row(change: Change) -> dict[str, Any]:
@@ -76,7 +81,7 @@ def roll_back(folder: Path, version: int) -> None:
 
     base = LearnedBase.open(folder)
     change = base.rollback(version)
-    print(f"version {change.version}: {change.says}; {len(base.state.entries)} entries")
+    print(f"version {change.version}: {change.says}; {_entries(base)}")
 
 
 def add_object(folder: Path, name: str, scene: str, thing: str, described: dict[str, Any], trials: int) -> None:

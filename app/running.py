@@ -28,10 +28,12 @@ def check_instruction(instruction: str) -> str:
     """The instruction without surrounding space.
 
     Raises:
-        BadInputError: empty or too long.
+        BadInputError: empty (characters that cannot be seen count for nothing) or too long.
     """
+    from agent.conversation import is_blank
+
     words = instruction.strip()
-    if not words:
+    if is_blank(words):
         raise BadInputError("it is empty; say what the robot is to do", where="INSTRUCTION")
     if len(instruction) > MAX_INSTRUCTION:
         raise BadInputError(

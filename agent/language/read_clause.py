@@ -29,6 +29,8 @@ GRIP = re.compile(
 )
 
 
+OFF_THE_TABLE = re.compile(r" (?:off|from|off of|up from|up off) (?:the |my |your )?(?:table|desk|tabletop|table top)$")
+"""Where everything is taken from; it tells nothing of the thing."""
 IN_ORDER = re.compile(
     r" (?:in|into) (?:an? |the )?(?:[a-z]+ )?(?:order|sequence|row|line)(?: (?:of|by|from|according to))? (?P<how>.+)$"
 )
@@ -46,7 +48,8 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
     if whole is not None:
         return whole
     if LET_GO.match(line):
-        return [Goal(kind="place", reference=Reference(words="it", pronoun=True), placement=Placement(kind="aside"))]
+        it = Reference(words="it", pronoun=True)
+        return [Goal(kind="place", reference=it, placement=Placement(kind="aside", from_hand=True))]
     found = HAND_TO_ME.match(line) or HAND_ME.match(line)
     if found:
         return _each(found["what"].split(), "pick", Placement(kind="hand_over"))
@@ -63,7 +66,7 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
     if action == "discard":
         return _discard(rest)
     if action == "place":
-        return _place(rest, default=_place_default(clause[:length], rest))
+        return _let_go(_place(rest, default=_place_default(clause[:length], rest)), clause[:length], rest)
     if action == "hand":
         thing, placement = read_place(rest)
         if (
@@ -75,6 +78,22 @@ def read_clause(clause: list[str], before: list[Goal]) -> list[Goal] | AskBack |
             return _each(thing, "place", placement)  # "bring the cup to the left"
         return _each([t for t in rest if t not in ("me", "over", "us")], "pick", Placement(kind="hand_over"))
     return _pick(rest)
+
+
+def _let_go(got: list[Goal] | AskBack | str, verb: list[str], rest: list[str]) -> list[Goal] | AskBack | str:
+    """The goals of "drop it", "put it down" and "release the cup": about what is in the hand, and nothing else."""
+    if not isinstance(got, list):
+        return got
+    said = " ".join(verb)
+    down = "down" in rest or "down" in verb or said in ("drop", "drop off", "lower")
+    goals: list[Goal] = []
+    for goal in got:
+        place, thing = goal.placement, goal.reference
+        held = said in ("release", "let go of") or (down and thing is not None and thing.pronoun)
+        if place is not None and place.kind == "aside" and held:
+            goal = goal.model_copy(update={"placement": place.model_copy(update={"from_hand": True})})
+        goals.append(goal)
+    return goals
 
 
 def _place_default(verb: list[str], rest: list[str]) -> Placement | None:
@@ -97,6 +116,7 @@ def _pick(rest: list[str]) -> list[Goal] | str:
         rest = rest[:-1]
     if rest and rest[0] == "up":
         rest = rest[1:]
+    rest = OFF_THE_TABLE.sub("", " ".join(rest)).split()
     thing, placement = read_place(_without_grip(rest))
     if placement is not None and placement.kind == "aside" and thing and "way" in rest:
         return _each(thing, "place", placement)  # "get the cup out of the way"

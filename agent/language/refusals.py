@@ -45,6 +45,11 @@ CONDITION = re.compile(
     r"(?:^|[,.;] |\bbut |\bonly )(?:if|unless|in case|as long as|whenever|until|when i|once i|after i|as soon as i) (?!you\b|possible|need|it is (?:possible|not too|ok|okay|fine|all right)|that is (?:ok|okay|fine|possible))"
     r"|\b(?:if|unless|whenever|until) (?:the|it|there|my|they|that|any|nobody|someone|i)\b(?! (?:is (?:possible|ok|okay|fine))\b)|\btomorrow\b|\btonight\b|\bin (?:\d+|a few|five|ten|an?) (?:minutes?|hours?|seconds?)\b"
 )
+DISTANCE = re.compile(
+    r"\b(?:move|shift|slide|put|place|set|bring|carry|nudge|transfer|relocate|lay|stand)\b.* (?:\d+(?:\.\d+)?|an?|one|two|three|four|five|six|seven|eight|nine|ten|twenty|few|half an?) ?"
+    r"(?:cm|mm|m|centimet(?:er|re)s?|millimet(?:er|re)s?|met(?:er|re)s?|inch|inches|feet|foot|hand ?widths?)\b"
+)
+"""Moving a thing by a length, or to a length from something."""
 OFF_TABLE = re.compile(
     r"\b(?:on|onto|off|to|over|from|in|into|under) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa|cupboard|drawer|cabinet|sink|oven|rack|stove|bed|couch|bookshelf|street|room)\b"
 )
@@ -75,6 +80,8 @@ def refuse(line: str) -> str | None:
         return "I cannot wait for a condition or a time: ask me whether it is so, and then tell me what to do."
     if BOTH_SIDES.search(line):
         return "That contradicts itself: a thing cannot be on both sides at once."
+    if DISTANCE.search(line):
+        return "I cannot move a thing by a length. I can put it on the left, on the right, at the front or back, or next to something."
     if THROWN.match(line):
         return "I cannot throw things at or to something: I only let go of them in the bin."
     if OFF_TABLE.search(line):

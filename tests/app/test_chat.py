@@ -206,9 +206,10 @@ def test_approval_can_be_switched(talk) -> None:
     assert not talk("/approve on", "/approve off")[2].asks
 
 
-def test_quit_leaves_at_once(talk) -> None:
-    """What follows is not heard."""
-    code, _, conversation = talk("/quit", "never")
+@pytest.mark.parametrize("word", ["/quit", "quit", "exit", "bye", "Goodbye!"])
+def test_quit_leaves_at_once(talk, word: str) -> None:
+    """What follows is not heard; one who does not know the command leaves with a plain word."""
+    code, _, conversation = talk(word, "never")
     assert (code, conversation.heard) == (0, [])
 
 
