@@ -66,6 +66,7 @@ def place_args(state: State) -> PlaceArgs:
         reference=placement.target,
         relation=_relation(placement),
         slot=slot if placement.kind == "bin" else 0,
+        lying=tuple(obj for obj in state.in_bin if all(obj.id != other.id for other in here)),
     )
 
 

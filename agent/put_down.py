@@ -12,6 +12,7 @@ from agent import events
 from agent.agenda import finish
 from agent.attempt import Moved
 from agent.context import AgentContext
+from agent.in_bin import with_another
 from agent.ladder import MAX_RELOOKS, budget
 from agent.nodes import look
 from agent.placed import placed, placing
@@ -72,6 +73,8 @@ def look_at_placed(state: State, runtime: Run) -> Update:
     if seen.thing is None and state.relooks < MAX_RELOOKS:
         return merged(update, Update(relooks=state.relooks + 1))  # other noise may show it
     if seen.well:
+        if state.goal.placement is not None and state.goal.placement.kind == "bin":
+            update["in_bin"] = with_another(state.in_bin, put.object, state.sensing, percept.bin)
         return merged(update, Update(put_down=None), finish(state, claimed=True))
     context.emit(events.Observation(text=seen.words, goal=state.current, sensing=state.sensing, claimed=False))
     if seen.thing is not None and not seen.fallen and _may_try_again(state, context):

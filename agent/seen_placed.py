@@ -12,12 +12,15 @@ from agent.lanes import LANE_WIDTH, lane_of
 from kb.base import Vec2
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Sensing
+from tools.perception.track_ids import unlike
 
 AWAY = 0.08
 """Farther than this from where it was set down a thing has rolled away or was dragged along [m]: long things that are seen
 in part appear up to 4 cm off."""
 NEAR = 0.05
 """A new thing this near to where something was set down is that thing, whatever it looks like from there [m]."""
+ALIKE = 0.35
+"""A new thing farther away is that thing only if it looks like it (`tools.perception.track_ids.unlike`)."""
 LOW, LONG = 0.6, 0.7
 """A thing lies that is lower than this share of its height and longer than this share of it."""
 STANDS_ON = 0.03
@@ -38,9 +41,10 @@ class SeenPlaced:
 
 
 def called_as_before(percept: Percept, before: Percept, put: PerceivedObject, sensing: Sensing | None) -> Percept:
-    """The percept in which the new thing where something was put bears that thing's id again.
+    """The percept in which the thing that was put down bears its id again.
 
-    From another place the same thing may be taken for one of another category.
+    From another place the same thing may be taken for one of another category. What rolled away or fell beside the bin
+    lies too far from where it was taken to be known again by its place: it is the one new thing that looks like it.
 
     Args:
         percept: The look after the placing.
@@ -52,10 +56,11 @@ def called_as_before(percept: Percept, before: Percept, put: PerceivedObject, se
     if aimed is None or any(obj.id == put.id for obj in percept.objects):
         return percept
     known = {obj.id for obj in before.objects}
-    new = [obj for obj in percept.objects if obj.id not in known and _off(obj, aimed) < NEAR]
-    if len(new) != 1:
+    new = [obj for obj in percept.objects if obj.id not in known]
+    found = [obj for obj in new if _off(obj, aimed) < NEAR] or [obj for obj in new if unlike(obj, put) < ALIKE]
+    if len(found) != 1:
         return percept
-    objects = tuple(o.model_copy(update={"id": put.id}) if o is new[0] else o for o in percept.objects)
+    objects = tuple(o.model_copy(update={"id": put.id}) if o is found[0] else o for o in percept.objects)
     return percept.model_copy(update={"objects": objects})
 
 

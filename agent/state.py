@@ -16,7 +16,7 @@ from agent.chat.call import Call
 from agent.goal import Goal
 from kb.constraint import Constraints
 from kb.experience import Retrieval
-from kb.percept import Percept
+from kb.percept import PerceivedObject, Percept
 from kb.run_result import Level, ModelUse
 from kb.scene_graph import SceneGraph
 from kb.sensing import CameraEvidence, Correction, Plan, Sensing
@@ -87,6 +87,8 @@ class State:
     """What was put somewhere last, for "it" and "undo"."""
     displaced: tuple[str, ...] = ()
     """Perceived ids of what was put somewhere in this conversation, in order, repeated."""
+    in_bin: tuple[PerceivedObject, ...] = ()
+    """What was put into the bin, as it should lie there."""
     motions: dict[int, int] = field(default_factory=dict)
     """Place goals of this turn: index -> number of the placing motion."""
     extra_actions: int = 0
@@ -169,6 +171,7 @@ class Update(TypedDict, total=False):
     put_down: Held | None
     moved: Moved | None
     displaced: tuple[str, ...]
+    in_bin: tuple[PerceivedObject, ...]
     motions: dict[int, int]
     extra_actions: int
     relooks: int

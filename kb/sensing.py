@@ -30,6 +30,8 @@ class Sensing(Noun):
     """Wrist force that triggered the reflex [N]."""
     aimed_at: Vec2 | None = None
     """Where a placing motion set the footprint's centre down [m]: the free place that was chosen."""
+    turned: Finite = 0.0
+    """By how much a placing motion turned it about the vertical, from how it stood [rad]."""
     lost: bool = False
     """What was held slipped out of the hand on the way to a set-down."""
     abort_direction: Vec3 | None = None

@@ -93,6 +93,8 @@ class PlaceArgs(Noun):
     """How many things were already put there: they are spread inside the bin."""
     keep_in: tuple[Vec2, Vec2] | None = None
     """Corners of a rectangle in which the centre must lie (a lane) [m]."""
+    lying: tuple[PerceivedObject, ...] = ()
+    """What was put into the bin before, as it should lie there: no camera sees over the walls."""
 
 
 def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
@@ -123,7 +125,7 @@ def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
         left_behind=set_down_box(args.object, chosen, args.held),
         load=load_points(args.object, args.held),
     )
-    return sensing.model_copy(update={"aimed_at": chosen.centre})
+    return sensing.model_copy(update={"aimed_at": chosen.centre, "turned": chosen.turn})
 
 
 def set_down_speed(args: PlaceArgs) -> float:
@@ -134,13 +136,20 @@ def set_down_speed(args: PlaceArgs) -> float:
 def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
     """The first free, reachable place in the order of preference, or None.
 
-    Places that can be reached and left without tipping or brushing what is held go before all others.
+    Places that can be reached and left without tipping or brushing what is held go before all others. Neither hand nor
+    thing is to meet what lies in the bin, unless there is no other place left: then it goes on top.
     """
+    chosen = _chosen(args, context)
+    return _chosen(args.model_copy(update={"lying": ()}), context) if chosen is None and args.lying else chosen
+
+
+def _chosen(args: PlaceArgs, context: ToolContext) -> SetDown | None:
     without = (args.object.id,)
+    known = args.percept.model_copy(update={"objects": (*args.percept.objects, *args.lying)})
     scene = Scene(
         plan=args.held,
         joints=np.asarray(context.robot.joints, float),
-        points_w=points_of(args.percept, without=without),
+        points_w=points_of(known, without=without),
         boxes=obstacles(args.percept, without=without),
         load=np.asarray(load_points(args.object, args.held)),
         has_arm=bool(getattr(context.robot, "has_arm", True)),
@@ -245,22 +254,21 @@ def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
     first = args.slot % len(BIN_SLOTS)
     gentle = args.object.affordance.fragility >= DROP_FRAGILITY
     raises = [raised for raised in BIN_RAISES if not gentle or raised <= GENTLE_DROP] or [0.0]
-    others = [other for other in args.percept.objects if other.id != args.object.id]
-    # Best not on top of what lies in the bin already: a round thing would roll.
-    rest: list[SetDown] = []
-    worst: list[SetDown] = []
+    others = [other for other in (*args.percept.objects, *args.lying) if other.id != args.object.id]
+    # Best with room for what swings or rolls when it is let go, and not on top of what lies in the bin already.
+    grades: dict[int, list[SetDown]] = {}
     for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first]):
         for raised in raises:
             centre = (middle[0] + dx, middle[1] + dy)
             for option in set_downs(args.object, args.held, centre, low[2] + raised):
                 if not fits_bin(option, args.object, args.percept.bin):
-                    worst.append(option)
-                elif stands_clear(args.object, option, others, WALL_ROOM):
-                    yield option
+                    grade = 3
                 else:
-                    rest.append(option)
-    yield from rest
-    yield from worst
+                    rooms = enumerate((GAP, WALL_ROOM))
+                    grade = next((k for k, gap in rooms if stands_clear(args.object, option, others, gap)), 2)
+                grades.setdefault(grade, []).append(option)
+    for grade in sorted(grades):
+        yield from grades[grade]
 
 
 def _in_lane(args: PlaceArgs, corners: tuple[Vec2, Vec2]) -> Iterator[SetDown]:

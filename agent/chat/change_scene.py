@@ -40,6 +40,6 @@ def emptied(scene: str, seed: int) -> Update:
     """The state's update: nothing of the old table is there any more."""
     return Update(
         scene=scene, seed=seed, goals=(), agenda=(), percept=None, before=None, stale=True, pictures=(), experiences=None,
-        shown=None, graph=None, plan=None, held=None, last_target=None, world=b"", moved=None, displaced=(), motions={},
-        pending=None, asked=(), deed=(), demands=(), call=None, calls=(), executed=False, refused=False, answer="", question=None,
+        shown=None, graph=None, plan=None, held=None, last_target=None, world=b"", moved=None, displaced=(), in_bin=(),
+        motions={}, pending=None, asked=(), deed=(), demands=(), call=None, calls=(), executed=False, refused=False, answer="", question=None,
     )  # fmt: skip

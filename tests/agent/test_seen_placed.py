@@ -57,9 +57,24 @@ def test_what_slipped_away_is_never_claimed_and_what_may_be_broken_is_not_taken_
 
 
 def test_a_new_thing_at_the_place_is_what_was_put_there() -> None:
-    """Taken for another category it still bears its id; a new thing elsewhere does not."""
+    """Taken for another category it still bears its id; elsewhere only what looks like it does."""
     put = solid("t", "cube", 0.5, -0.2)
     before = percept(put)
-    there, elsewhere = solid("n", "block", 0.51, 0.16), solid("n", "block", 0.51, 0.02)
-    assert [o.id for o in called_as_before(percept(there), before, put, PUT).objects] == ["t"]
-    assert [o.id for o in called_as_before(percept(elsewhere), before, put, PUT).objects] == ["n"]
+    there, alike, unlike = (
+        solid("n", "block", 0.51, 0.16), solid("n", "block", 0.51, 0.02), solid("n", "bowl", 0.51, 0.02, size=(0.15, 0.15, 0.06)),
+    )  # fmt: skip
+    for seen, name in ((there, "t"), (alike, "t"), (unlike, "n")):
+        assert [o.id for o in called_as_before(percept(seen), before, put, PUT).objects] == [name]
+
+
+def test_what_fell_beside_the_bin_is_not_claimed_however_far_it_was_carried() -> None:
+    """40 cm from where it was taken it is still the ball that was put into the bin; two new ones are nobody's."""
+    corners = ((0.30, 0.425, 0.0), (0.60, 0.675, 0.10))
+    ball = solid("obj_0", "tennis_ball", 0.5, -0.1)
+    before = percept(ball).model_copy(update={"bin": corners})
+    aimed = PUT.model_copy(update={"aimed_at": (0.45, 0.55)})
+    beside = before.model_copy(update={"objects": (solid("obj_1", "tennis_ball", 0.5, 0.36),)})
+    twice = before.model_copy(update={"objects": (*beside.objects, solid("obj_2", "tennis_ball", 0.6, 0.30))})
+    seen = called_as_before(beside, before, ball, aimed)
+    assert not seen_placed(seen, goal(kind="bin"), ball, aimed).well
+    assert [o.id for o in called_as_before(twice, before, ball, aimed).objects] == ["obj_1", "obj_2"]

@@ -140,6 +140,23 @@ def test_what_is_missing_is_said(fields: dict[str, Any]) -> None:
         chosen(solid("t", "cube", 0.5, 0.0), percept(), **fields)
 
 
+def test_what_lies_in_the_bin_is_kept_clear_of_and_fallen_back_on() -> None:
+    """A thing that is remembered at the first place sends the next one elsewhere; a full bin still takes it, on top."""
+    corners = ((0.30, 0.425, 0.0), (0.60, 0.675, 0.10))
+    seen = solid("t", "cube", 0.45, 0.1)
+    bare = percept().model_copy(update={"bin": corners})
+    free = chosen(seen, bare, kind="bin")
+    assert free is not None
+    there = solid("n", "tennis_ball", *free.centre)
+    other = chosen(seen, bare, kind="bin", lying=(there,))
+    assert other is not None
+    assert box_distance(other.centre, there) >= 0.025 + 0.03
+    full = tuple(
+        solid(f"n{k}", "box", x, y) for k, (x, y) in enumerate(((0.37, 0.49), (0.53, 0.49), (0.37, 0.62), (0.53, 0.62)))
+    )
+    assert chosen(seen, bare, kind="bin", lying=full) is not None
+
+
 def test_a_cup_goes_into_the_bin_in_physics() -> None:
     """Grasped, carried over the wall, lowered, let go: the observer finds it in the bin, undamaged."""
     opened = open_world("clear_table", 10002)

@@ -45,8 +45,11 @@ def _reading_order(obj: PerceivedObject) -> tuple[int, float]:
 def _cost(new: PerceivedObject, known: PerceivedObject) -> float:
     """Dissimilarity of two sightings; >= 1 means they cannot be the same object."""
     distance = math.dist(new.position, known.position)
-    if distance > REACH:
-        return 1.0
+    return 1.0 if distance > REACH else distance / REACH * 0.5 + unlike(new, known)
+
+
+def unlike(new: PerceivedObject, known: PerceivedObject) -> float:
+    """How different two sightings look, wherever they are: 0 for the same size, category and colour; about 1 at most."""
     size = (
         sum(
             abs(math.log(max(a, 1e-3) / max(b, 1e-3)))
@@ -56,4 +59,4 @@ def _cost(new: PerceivedObject, known: PerceivedObject) -> float:
     )
     category = 0.0 if new.category == known.category else 0.15
     colour = math.dist(new.colour, known.colour)
-    return distance / REACH * 0.5 + 0.5 * min(size, 1.0) + category + 0.3 * min(colour, 1.0)
+    return 0.5 * min(size, 1.0) + category + 0.3 * min(colour, 1.0)

@@ -32,7 +32,9 @@ TURNS = tuple(math.radians(a) for a in (0, 20, -20, 45, -45, 70, -70, 95, -95, 1
 """Turns of the held object about the vertical that are tried [rad]."""
 DROP = 0.004
 """Height above the support at which the set-down aims [m]; contact is felt for from there."""
-BIN_SLOTS: tuple[Vec2, ...] = ((-0.075, -0.050), (0.075, 0.050), (0.075, -0.050), (-0.075, 0.050), (0.0, 0.0))
+BIN_SLOTS: tuple[Vec2, ...] = (
+    (-0.075, -0.050), (0.075, -0.050), (0.0, 0.060), (0.090, 0.060), (-0.090, 0.060), (0.0, 0.0),
+)  # fmt: skip
 """Places inside the bin, from its middle [m]; which comes first depends on how much is in already."""
 BIN_RAISES = (0.0, 0.015, 0.03, 0.045, 0.07, 0.11)
 """How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
