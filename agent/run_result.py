@@ -86,7 +86,7 @@ def run_result(
         experiences=_experiences(state),
         scene_graph=_graph(state),
         damage_events=len(damaged),
-        timings_s=_timings(state, total),
+        timings_s=timings(state, total),
         funnel=state.shown.funnel.model_dump() if state.shown else {},
         model_use=state.use,
     )
@@ -269,6 +269,7 @@ def _graph(state: State) -> GraphRecord:
     return GraphRecord(nodes=tuple(node.model_dump() for node in state.graph.nodes), edges=edges)
 
 
-def _timings(state: State, total: float) -> Timings:
+def timings(state: State, total: float) -> Timings:
+    """Wall time of each stage of the turn, and of all of it, `total` [s]."""
     known = {key: state.times.get(key, 0.0) for key in ("perception", "retrieval", "planning", "execution", "brain")}
     return Timings(**known, total=total)

@@ -20,6 +20,7 @@ from bench.shared_walk import SharedWalk
 from bench.shared_world import SharedWorld, SharingPerceiver
 from bench.suite import instruction_of
 from kb.errors import BadInputError, EnvironmentFaultError
+from kb.run_result import RunResult, Timings
 
 log = logging.getLogger(__name__)
 
@@ -116,12 +117,13 @@ class _Shared:
         self.robot = self.world.actor
         self._perceivers: dict[str, Any] = {}
         self._walk = SharedWalk()
+        self._results: list[tuple[Any, RunResult, bool]] = []
+        """States at the end of walks, with the result and whether it was a strict success."""
 
     def run(self, configuration: str, before: float) -> Row:
         """The row of one configuration; `before` is the time already spent on it [s]."""
         from agent import build_agent
         from agent.configuration import configuration as named
-        from agent.run_result import run_result
 
         began, settings, world = time.perf_counter(), self.job.settings, self.world
         # Every configuration begins at the same bits, the first one too.
@@ -146,11 +148,7 @@ class _Shared:
         start = context.clock()
         kind = (perception, chosen.switches.diagnosis)
         state = self._walk.run(context, self.instruction, kind, world.credit)
-        judge: Any = _NotingJudge(context.world.at(state.world).observer)
-        result = run_result(
-            state, judge, total=context.clock() - start, configuration=configuration,
-            brain=context.brain.name, perception=perception, evaluator=settings.evaluator,
-        )  # fmt: skip
+        result, strict = self._judged(state, context, configuration, perception, context.clock() - start)
         return row_of(
             self.job,
             result,
@@ -160,11 +158,33 @@ class _Shared:
             shared_looks=world.shared_looks - looks,
             shared_motions=world.shared_motions - motions,
             shared_steps=self._walk.shared,
-            strict=result.success and judge.strict,
+            strict=result.success and strict,
             damage_limit_n={
                 thing.id: round(thing.damage_force, 3) for thing in world.placed.objects if not thing.fixed
             },
         )
+
+    def _judged(
+        self, state: Any, context: Any, configuration: str, perception: str, total: float
+    ) -> tuple[RunResult, bool]:
+        """The result of a walk that ended in `state`, and whether each successful grasp in it was a strict success.
+
+        The observer's judgement of an end that an earlier configuration came to as well is taken over from there; names
+        and times [s] are each one's own.
+        """
+        from agent.run_result import rounded, run_result, timings
+
+        for end, result, strict in self._results:
+            if result.perception == perception and _same_end(end, state):
+                times = Timings.model_validate(rounded(timings(state, total).model_dump()))
+                return result.model_copy(update={"configuration": configuration, "timings_s": times}), strict
+        judge: Any = _NotingJudge(context.world.at(state.world).observer)
+        result = run_result(
+            state, judge, total=total, configuration=configuration,
+            brain=context.brain.name, perception=perception, evaluator=self.job.settings.evaluator,
+        )  # fmt: skip
+        self._results.append((state, result, judge.strict))
+        return result, judge.strict
 
     def _perceiver(self, name: Any) -> SharingPerceiver:
         """The perceiver of that name, made once."""
@@ -184,6 +204,21 @@ class _Shared:
                 perceiver = open_perceiver(name, self.world, _embedder(settings.embedder))
             self._perceivers[name] = SharingPerceiver(perceiver, name, self.world)
         return self._perceivers[name]
+
+
+def _same_end(one: Any, two: Any) -> bool:
+    """Whether two states of a trial agree in all that a result says, times apart.
+
+    What is large is the same if it is one and the same object, as it is after shared steps; the rest is compared.
+    """
+    if len(one.attempts) != len(two.attempts) or any(
+        a is not b for a, b in zip(one.attempts, two.attempts, strict=True)
+    ):
+        return False
+    if any(getattr(one, name) is not getattr(two, name) for name in ("percept", "graph", "shown")):
+        return False
+    told = ("turn", "executed", "refused", "answer", "question", "goals", "motions", "displaced", "world", "use")
+    return all(getattr(one, name) == getattr(two, name) for name in told)
 
 
 class _NotingJudge:

@@ -71,15 +71,16 @@ def hull(points: Array) -> Array:
     for sequence in (order, order[::-1]):
         chain: list[list[float]] = []
         for point in sequence:
-            while len(chain) >= 2 and _turn(chain[-2], chain[-1], point) <= 0:
+            x, y = point
+            while len(chain) >= 2:
+                (ax, ay), (bx, by) = chain[-2], chain[-1]
+                # Only a turn to the left keeps the point between.
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0:
+                    break
                 chain.pop()
             chain.append(point)
         chains.append(chain[:-1])
     return np.asarray(chains[0] + chains[1])
-
-
-def _turn(a: list[float], b: list[float], c: list[float]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def outline(thing: PlacedObject) -> Array:

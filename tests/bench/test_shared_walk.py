@@ -75,3 +75,21 @@ def test_nothing_is_rendered_for_an_oracle_without_physics(monkeypatch: pytest.M
     assert row["harness_error"] is None
     assert (row["perception"], row["evaluator"]) == ("oracle", "analytic")
     assert row["experiences"], "retrieval still takes place, with a stored view as query"
+
+
+def test_walks_to_the_same_end_are_judged_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Configurations that ended in the very same state get one judgement, each under its own name."""
+    import agent.run_result as module
+
+    judged, real = list[str](), module.run_result
+
+    def counted(*args: Any, **kwargs: Any) -> Any:
+        judged.append(kwargs["configuration"])
+        return real(*args, **kwargs)
+
+    monkeypatch.setattr(module, "run_result", counted)
+    rows = rows_of("single_banana", "full", "no_recovery", "no_memory")
+    assert rows["full"]["success"], "a first attempt that succeeds is what the three have in common"
+    assert judged == ["full"]
+    assert set(rows) == {"full", "no_recovery", "no_memory"}
+    assert all(row["goals"] == rows["full"]["goals"] for row in rows.values())
