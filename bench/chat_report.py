@@ -129,7 +129,7 @@ def stop_terminal(stops: int) -> list[Line]:
                 if "Action" not in chat.expect(r"Action +execute|Answer +"):
                     chat.type("put it back")
                     chat.expect(r"Action +place|Answer +")
-                chat.idle(float(rng.uniform(0.0, 0.5)))  # without a clock to follow a motion takes half a second
+                chat.idle(float(rng.uniform(0.0, 0.4)))  # without a clock to follow a motion takes half a second
                 at = time.time_ns()
                 chat.press("\x03")
                 chat.expect(r"stopped: I hold still|Ctrl-C again or /quit leaves")

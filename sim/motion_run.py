@@ -34,7 +34,7 @@ SLOW = 0.05
 """Joint speed from which an arm may be stopped at once [rad/s]."""
 BRAKE_S = 0.12
 """Time over which the command slows down when nothing was hit [s]: a sudden stop from full speed saturates the motors."""
-STOP_WALL_S = 0.03
+STOP_WALL_S = 0.02
 """Wall time after a person's stop at which the physics stands still [s]; the promise is 0.05."""
 LAG_LIMIT = 0.02
 """Lag of a joint behind its command that means a collision [rad]; free motions stay below 0.006."""

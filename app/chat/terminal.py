@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import queue
 import signal
+import sys
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +25,8 @@ LONGEST_REMEMBERED = 2_000
 """Longer lines do not go into the history file."""
 SHOWN_WORDS = 240
 """The end of what a model is saying, above the prompt [characters]."""
+SWITCH_S = 0.001
+"""How long the thread of the motion keeps a key waiting [s]: of the interpreter's 5 ms a stop would take several."""
 WHILE_BUSY = ("/stop", "/release", "/quit")
 """Commands that are heard while the robot works; others come after it."""
 
@@ -36,11 +39,15 @@ class Terminal:
         self._worker: threading.Thread | None = None
         self._later: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._leaving = False
+        self._halted = False
+        """Ctrl-C has stopped the robot, and the person has not been told yet."""
+        self._released = False
+        """The person has released the robot, which counts when the turn has ended; Ctrl-C before that stops again."""
         self._turning = threading.Lock()
         self._busy = False
         self._code = ACHIEVED
         self._failure: BaseException | None = None
-        self._prompt: PromptSession[str] = _prompt_session(self._refuse_paste)
+        self._prompt: PromptSession[str] = _prompt_session(self._refuse_paste, self._halt)
         talk.printer.on_words = self._wake
 
     def run(self) -> int:
@@ -48,6 +55,8 @@ class Terminal:
         from prompt_toolkit.patch_stdout import patch_stdout
 
         former = signal.signal(signal.SIGTERM, self._on_terminate)
+        patience = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCH_S)
         presses = 0
         try:
             with patch_stdout(raw=True):
@@ -55,6 +64,7 @@ class Terminal:
                     try:
                         line = self._prompt.prompt(self._label)
                         presses = 0
+                        self._take(line)  # Ctrl-C right after Enter counts as well
                     except EOFError:
                         break
                     except KeyboardInterrupt:
@@ -62,11 +72,10 @@ class Terminal:
                         if not self._interrupted(presses):
                             self._code = INTERRUPTED
                             break
-                        continue
-                    self._take(line)
                 self._end()
         finally:
             signal.signal(signal.SIGTERM, former)
+            sys.setswitchinterval(patience)
         if self._failure is not None:
             raise self._failure
         return self._code
@@ -117,7 +126,8 @@ class Terminal:
             elif name == "/quit":
                 self._leaving = True
             else:
-                (self._talk.conversation.stop if name == "/stop" else self._talk.conversation.release)()
+                self._released = name == "/release"
+                (self._talk.conversation.release if self._released else self._talk.conversation.stop)()
                 say(
                     "stopped: nothing moves until /release" if name == "/stop" else "released when this has ended",
                     "bold red",
@@ -135,7 +145,7 @@ class Terminal:
                     self._leaving = not self._talk.hear(self._later.get())
         except BaseException as error:
             self._failure, self._leaving = error, True
-        self._busy = False
+        self._busy = self._released = False
         self._wake()
 
     def _over(self) -> bool:
@@ -155,10 +165,17 @@ class Terminal:
         else:
             app.invalidate()
 
+    def _halt(self) -> None:
+        """Ctrl-C as the key comes: the robot stops before the prompt is taken down."""
+        if self.busy and (self._released or not self._talk.conversation.stopped):
+            self._talk.conversation.stop()
+            self._halted, self._released = True, False
+
     def _interrupted(self, presses: int) -> bool:
         """Ctrl-C: stops the robot first, leaves the chat second; False to leave."""
-        if self.busy and not self._talk.conversation.stopped:
-            self._talk.conversation.stop()
+        self._halt()
+        if self._halted:
+            self._halted = False
             self._talk.printer.say("stopped: I hold still until /release; Ctrl-C again leaves", "bold red")
             return True
         if presses >= 2 or self.busy:
@@ -188,7 +205,7 @@ def _leave(app: Any) -> None:
         app.exit(exception=EOFError())
 
 
-def _prompt_session(refuse_paste: Any) -> PromptSession[str]:
+def _prompt_session(refuse_paste: Any, halt: Any) -> PromptSession[str]:
     from prompt_toolkit import PromptSession
     from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
     from prompt_toolkit.completion import NestedCompleter
@@ -207,6 +224,11 @@ def _prompt_session(refuse_paste: Any) -> PromptSession[str]:
         from agent.chat.heard import heard
 
         event.current_buffer.insert_text(heard(event.data))
+
+    @keys.add("c-c", eager=True)
+    def _(event: Any) -> None:
+        halt()
+        event.app.exit(exception=KeyboardInterrupt(), style="class:aborting")
 
     choices: dict[str, Any] = dict.fromkeys(NAMES)
     choices["/scene"] = dict.fromkeys(scenes(""))

@@ -235,3 +235,17 @@ def test_a_dumb_terminal_is_talked_with_line_by_line(chat: Callable[..., PtyChat
     one.press("/quit\n")
     assert one.process.wait(20) == 0
     assert "\x1b" not in one.raw
+
+
+def test_ctrl_c_right_after_enter_stops_and_does_not_leave(chat: Callable[..., PtyChat]) -> None:
+    """At any moment from Enter on, also while a release waits for the end of the turn, Ctrl-C stops the robot only."""
+    one = chat("--scene", "single_cube", "--seed", "10003", "--perception", "oracle")
+    one.expect(PROMPT)
+    for words, wait in (("pick up the cube", 0.0), ("put it back", 0.02), ("pick up the cube", 0.1)):
+        one.type(words)
+        one.idle(wait)
+        one.press("\x03")
+        one.expect(r"stopped: I hold still")
+        one.type("/release")
+        one.expect(r"released")
+    assert one.process.poll() is None
