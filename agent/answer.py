@@ -8,6 +8,7 @@ from agent import phrases
 from agent.attempt import Attempt
 from agent.brain import Situation, Spoken
 from agent.goal import Goal, Query
+from agent.kept_force import raised, raised_words
 from agent.language.describe import describe, listing, spoken
 from agent.language.resolve import Scope, resolve
 from agent.language.single_out import leftness
@@ -40,6 +41,8 @@ def report(situation: Situation) -> str:
     asked = [goal for goal in situation.goals if goal.parent is None]
     parts = [_outcome(situation, goal) for goal in asked]
     notes = [goal.note for goal in asked if goal.status == "done" and goal.note and goal.note not in " ".join(parts)]
+    held = [a for a in situation.attempts if a.turn == situation.turn and a.claimed]
+    notes += [said for said in map(raised, held) if said]
     if situation.dry_run:
         return " ".join([*parts, "This was a dry run: nothing was moved."])
     return " ".join([*parts, *notes])
@@ -189,7 +192,8 @@ def _why(situation: Situation, goal: Goal) -> str:
     lines = [last.thought] if last.thought else []
     lines.append(f"The numbers of the grasp of the {target} and where they come from:")
     for field, sources in plan.provenance.items():
-        lines.append(f"- {FIELD_WORDS[field]} {_value(getattr(plan.grasp, field))}: {'; '.join(map(_source, sources))}")
+        told = [*map(_source, sources), *(raised_words(last) if field == "force" else ())]
+        lines.append(f"- {FIELD_WORDS[field]} {_value(getattr(plan.grasp, field))}: {'; '.join(told)}")
     if last.constraints.active:
         lines.append("Constraints: " + " ".join(phrases.sentence(c.reason) for c in last.constraints.active))
     if plan.rejected:
@@ -231,6 +235,8 @@ def _why_failed(situation: Situation, goal: Goal) -> str:
 
 def _failure(attempt: Attempt) -> str:
     reasons = "; ".join(attempt.reasons) or "no reading tells why"
+    if attempt.stopped:
+        return f"The attempt with {attempt.plan.grasp.force:.1f} N did not fail: you stopped it."
     text = f"Attempt at level {attempt.level} with {attempt.plan.grasp.force:.1f} N ended in "
     return text + f"{phrases.plain(attempt.failure or 'UNKNOWN').lower()} ({attempt.confidence:.0%} sure): {reasons}."
 

@@ -114,4 +114,6 @@ def apply_decision(plan: Plan, decision: Decision) -> Plan:
     for field in changed:
         said = Provenance(source="correction", id="person", value=getattr(decision.grasp, field))
         provenance[field] = (*provenance.get(field, ()), said)
-    return plan.model_copy(update={"grasp": decision.grasp, "provenance": provenance, "joints": ()})
+    own = plan.grasp.force if "force" in changed and plan.own_force is None else plan.own_force
+    update = {"grasp": decision.grasp, "provenance": provenance, "joints": (), "own_force": own}
+    return plan.model_copy(update=update)

@@ -44,6 +44,11 @@ class Attempt(Noun):
     before: bytes = b""
     """Opaque snapshot of the world before the motion, for simulating what would have happened."""
 
+    @property
+    def stopped(self) -> bool:
+        """Whether a person stopped it: an outcome of its own."""
+        return self.sensing.stopped_by == "stop"
+
 
 def in_hand(attempt: Attempt) -> PerceivedObject:
     """What the attempt left in the hand: the target, unless its own look shows that another thing was taken."""

@@ -14,6 +14,7 @@ from agent.chat.steer import steered
 from agent.compare_looks import compare_looks
 from agent.context import AgentContext
 from agent.episode import history, with_success
+from agent.kept_force import force_kept
 from agent.ladder import budget, irreversible, level_of
 from agent.nodes import look
 from agent.placing import put_back_args
@@ -196,13 +197,17 @@ def reflect(state: State, runtime: Run) -> Update:
     context, times = runtime.context, dict[str, float]()
     tries, last = state.tries(), state.attempts[-1]
     broken = irreversible(last.target, state.camera)
-    if broken or len(tries) >= budget(context.switches) or context.stopped:
+    if broken or context.stopped or (len(tries) >= budget(context.switches) and not force_kept(last)):
         why = broken or ("stopped" if context.stopped else phrases.exhausted(tries))
         context.emit(events.Reflection(text=phrases.give_up(why, last), goal=state.current, level=state.level))
         held = None
         if context.world.at(state.world).robot.holding:  # stopped in the middle: the next command must know
             held = Held(plan=last.plan, object=last.target, category=last.target.category, motion=last.motion)
         return merged(Update(held=held), finish(state, claimed=False, note=why))
+    named = force_kept(last)
+    if named is not None:
+        context.emit(events.Reflection(text=phrases.give_up(named, last), goal=state.current, level=state.level))
+        return finish(state, claimed=False, note=named)
     level, offered = level_of(len(tries), context.switches), None
     allowed: tuple[Correction, ...] = ()
     if context.switches.diagnosis_used:

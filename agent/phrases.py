@@ -245,7 +245,16 @@ def observed(attempt: Attempt) -> str:
     reasons = "; ".join(attempt.reasons)
     if attempt.claimed:
         return sentence(f"I hold it: {reasons}")
+    if attempt.stopped:
+        return sentence(reasons)
     return sentence(f"{plain(attempt.failure or 'UNKNOWN').lower()}: {reasons}")
+
+
+def ended(attempt: Attempt) -> str:
+    """How an attempt ended, as what stands after "it": held, was stopped, or failed by a type of failure."""
+    if attempt.claimed:
+        return "held"
+    return "was stopped" if attempt.stopped else f"failed by {plain(attempt.failure or 'UNKNOWN').lower()}"
 
 
 def exhausted(tries: tuple[Attempt, ...]) -> str:
@@ -256,7 +265,7 @@ def exhausted(tries: tuple[Attempt, ...]) -> str:
 
 def give_up(why: str, last: Attempt) -> str:
     """The honest end."""
-    return sentence(f"I give up on the {plain(last.target.category)}: {why}")
+    return sentence(f"I give up on the {object_name(last.target.category)}: {why}")
 
 
 def no_plan(reason: str) -> str:

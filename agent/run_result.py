@@ -199,6 +199,8 @@ def _attempt(attempt: Attempt, observed: ObservedAttempt) -> AttemptRecord:
         evidence["camera"] = attempt.camera.model_dump()
     evidence["reasons"] = attempt.reasons
     evidence["confidence"] = attempt.confidence
+    # That a person stopped it is an outcome, and none of the types of failure.
+    stopped = attempt.stopped
     return AttemptRecord(
         level=attempt.level,
         grasp=GraspRecord(**attempt.plan.grasp.model_dump()),
@@ -206,10 +208,10 @@ def _attempt(attempt: Attempt, observed: ObservedAttempt) -> AttemptRecord:
         quality=attempt.plan.quality,
         success=observed.success,
         claimed=attempt.claimed,
-        failure=None if attempt.claimed else attempt.failure,
+        failure=None if attempt.claimed or stopped else attempt.failure,
         evidence=evidence,
         correction=attempt.correction.model_dump() if attempt.correction else None,
-        observed_failure=None if observed.success else observed.failure,
+        observed_failure=None if observed.success or stopped else observed.failure,
         verdict=observed.verdict,
         region=attempt.plan.region,
     )

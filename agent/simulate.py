@@ -12,6 +12,7 @@ from agent.agenda import finish
 from agent.attempt import Attempt
 from agent.context import AgentContext
 from agent.draws import draws
+from agent.kept_force import held_with
 from agent.state import State, Update, merged
 from kb.percept import Percept
 from kb.sensing import Evidence, Plan, Sensing
@@ -33,10 +34,11 @@ def simulate(state: State, runtime: Runtime[AgentContext]) -> Update:
             claimed=False,
             note="I have grasped nothing yet in this conversation, so there is nothing to simulate.",
         )
-    plan = last.plan.model_copy(update={"grasp": last.plan.grasp.model_copy(update={"force": force})})
-    name = phrases.plain(last.target.category)
+    grasp = last.plan.grasp.model_copy(update={"force": force})
+    plan = last.plan.model_copy(update={"grasp": grasp, "own_force": last.plan.grasp.force})
+    name = phrases.object_name(last.target.category)
     text = f"I simulate the grasp of the {name} from the saved moment before it, with {force:g} N instead of "
-    context.emit(events.Thought(text=f"{text}{last.plan.grasp.force:.1f} N.", goal=state.current))
+    context.emit(events.Thought(text=f"{text}{held_with(last):.1f} N.", goal=state.current))
     times: dict[str, float] = {}
     with context.timed("execution", times):
         run = rerun(context, last, plan)
@@ -123,7 +125,7 @@ def _percept(attempt: Attempt) -> Percept:
 
 def told(run: Rerun, changed: str, attempt: Attempt) -> str:
     """The outcome in words, beside what really happened."""
-    diagnosis, name = run.diagnosis, phrases.plain(attempt.target.category)
+    diagnosis, name = run.diagnosis, phrases.object_name(attempt.target.category)
     if run.sensing.stopped_by == "stop":
         return f"I was stopped while I simulated {changed}, so I do not know."
     if diagnosis.claimed:
@@ -132,5 +134,4 @@ def told(run: Rerun, changed: str, attempt: Attempt) -> str:
     else:
         kind = phrases.plain(diagnosis.failure or "UNKNOWN").lower()
         what = f"Simulated with {changed}: it would have failed by {kind} ({'; '.join(diagnosis.reasons)})."
-    real = "it held" if attempt.claimed else f"it failed by {phrases.plain(attempt.failure or 'UNKNOWN').lower()}"
-    return f"{what} In truth, with {attempt.plan.grasp.force:.1f} N, {real}."
+    return f"{what} In truth, with {held_with(attempt):.1f} N, it {phrases.ended(attempt)}."

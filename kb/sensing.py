@@ -167,3 +167,5 @@ class Plan(Noun):
     """Other feasible candidates: grasp, score, name."""
     score: Finite | None = None
     """The planner's score of this candidate, comparable with those of `alternatives`."""
+    own_force: Finite | None = None
+    """Force that the planner had chosen before a person named another, which nothing may raise [N]; None without."""

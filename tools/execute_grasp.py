@@ -56,13 +56,14 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         seen = [item.id for item in args.percept.objects]
         raise BadInputError(f"no object {args.target!r} in this percept", where="target", choices=seen) from None
     others = [other for other in args.percept.objects if other.id != args.target]
+    # A force that a person named is kept: no test lift raises it.
     return context.robot.grasp(
         args.plan.grasp,
         joints=args.plan.joints or None,
         obstacles=obstacles(args.percept),
         force_limit=abort_force(target),
         lift=lift_height(args.plan.grasp.position, others),
-        most_force=trial_lift_cap(target, args.plan.region),
+        most_force=None if args.plan.own_force is not None else trial_lift_cap(target, args.plan.region),
         creep=creep(args.plan, target),
     )
 

@@ -10,6 +10,7 @@ from agent import phrases
 from agent.answer import answer
 from agent.brain import Deliberation, Reflected, Situation, Spoken
 from agent.goal import Goal, Understanding
+from agent.kept_force import warned
 from agent.language.read_command import understand
 from kb.percept import PerceivedObject
 from kb.seen import Seen
@@ -58,11 +59,11 @@ class RulesBrain:
                 rule=_rule(situation),
                 **numbers,
             )
-            return Deliberation(text=text)
+            return Deliberation(text=text + warned(plan))
         constraints = " ".join(phrases.sentence(c.reason) for c in situation.constraints.active)
         text = render(
             "thought/first_attempt",
-            target=phrases.plain(target.category),
+            target=phrases.object_name(target.category),
             material=target.affordance.material,
             fragility=f"{target.affordance.fragility:.1f}",
             width=f"{plan.local_width * 1000:.0f}",
@@ -70,7 +71,7 @@ class RulesBrain:
             constraints=f"{constraints} " if constraints else "",
             **numbers,
         )
-        return Deliberation(text=text)
+        return Deliberation(text=text + warned(plan))
 
     def reflect(self, situation: Situation, offered: Correction | None) -> Reflected:
         """Takes the correction that the rules offer, and says what it changes."""

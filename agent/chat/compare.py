@@ -71,4 +71,4 @@ def _line(row: Difference) -> str:
 
 
 def _end(attempt: Attempt) -> str:
-    return "it held" if attempt.claimed else f"failed by {phrases.plain(attempt.failure or 'UNKNOWN').lower()}"
+    return f"it {phrases.ended(attempt)}"

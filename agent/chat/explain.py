@@ -9,6 +9,7 @@ from agent import phrases
 from agent.answer import FIELD_WORDS
 from agent.attempt import Attempt
 from agent.chat.events import Explained, Fact
+from agent.kept_force import raised_words
 from kb.errors import BadInputError
 from kb.experience import Experience
 from kb.grasp import GraspField, Provenance
@@ -32,7 +33,10 @@ def explain(attempt: Attempt, store: Any) -> Explained:
         Fact(
             field=field,
             value=getattr(plan.grasp, field),
-            sources=tuple(source_words(field, item, attempt, store) for item in sources),
+            sources=(
+                *(source_words(field, item, attempt, store) for item in sources),
+                *(raised_words(attempt) if field == "force" else ()),
+            ),
         )
         for field, sources in plan.provenance.items()
     )

@@ -11,6 +11,7 @@ from typing import Any
 from agent.chat.call import Call
 from agent.chat.read_demand import only_demand, plain, read_demand
 from agent.goal import Goal, Placement, Reference
+from agent.kept_force import held_with
 from agent.language.clauses import trim
 from agent.language.read_question import read_question
 from agent.language.read_reference import is_reference, read_reference
@@ -71,6 +72,8 @@ OTHER = re.compile(
 INSTEAD = re.compile(
     r"^(?:no|not (?:that|this)(?: one)?|not it|wait|i mean|i meant)(?: ,)? (?P<what>(?:the |that )[a-z -]+)$"
 )
+MANNERS = ("gently", "softly", "carefully", "slowly")
+"""Wishes that are courtesies elsewhere; "quickly" is none, for the arm goes as fast as it may anyway."""
 TALK: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"^(?:many )?(?:thanks?|thank you|thx|cheers)\b.*$"), "You are welcome."),
     (re.compile(r"^(?:hello|hi|hey|good (?:morning|day|evening|afternoon)|hallo)(?: there| robot)?$"),
@@ -91,11 +94,18 @@ def hear(text: str, state: State) -> tuple[Call, ...]:
     """
     if state.pending is not None and not _clearly(plain(text)):
         return (Call(tool="task", words=text),)
-    line = " ".join(trim(plain(text).split()))
+    line = _trimmed(plain(text))
     both = AND_REMEMBER.match(line)
     if both is not None and not _clearly(line):
         return (*hear(both["first"], state), Call(tool="remember", words=text))
     return _tool(line, text) or _again(line, state) or _elliptic(line, state) or (_task(line, text),)
+
+
+def _trimmed(line: str) -> str:
+    """Without courtesies at both ends, but with the manner: in an order "gently" is one, in a conversation it is a wish."""
+    said = line.split()
+    kept = trim(said)
+    return " ".join([*kept, *(word for word in MANNERS if word in said and word not in kept)])
 
 
 def _clearly(line: str) -> bool:
@@ -172,13 +182,16 @@ def relative(demands: tuple[Demand, ...], state: State) -> tuple[Demand, ...]:
     plan = state.plan or (state.attempts[-1].plan if state.attempts else None)
     if plan is None:
         return demands
+    # What was held with more than was planned is not gentle at the planned number.
+    last = state.attempts[-1] if state.attempts else None
+    used = held_with(last) if last is not None and last.plan == plan else plan.grasp.force
     fixed: list[Demand] = []
     for demand in demands:
         update: dict[str, Any] = {}
         if demand.force_scale != 1.0:
             update |= {
                 "force_scale": 1.0,
-                "force": round(min(70.0, max(1.0, plan.grasp.force * demand.force_scale)), 2),
+                "force": round(min(70.0, max(1.0, used * demand.force_scale)), 2),
             }
         if demand.speed_scale != 1.0:
             update |= {"speed_scale": 1.0, "speed": round(min(1.0, max(0.1, plan.grasp.speed * demand.speed_scale)), 3)}

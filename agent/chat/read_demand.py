@@ -73,10 +73,10 @@ _READERS: tuple[tuple[re.Pattern[str], Reader], ...] = tuple(
         (r"(?:at an angle|tilted|obliquely|diagonally|slanted)", _fixed(approach="tilted")),
         (r"(?:with |using |by )?(?:a |an )?pinch(?:ing)?(?: grasp| grip)?|pinch it", _fixed(type="pinch")),
         (r"(?:with |using |by )?(?:a |an )?power (?:grasp|grip)", _fixed(type="power")),
-        (rf"{_MORE}(?:gentler|softer|lighter|gently|softly|lightly|tenderly)|{_MORE}(?:with )?less force|not (?:so|that|too) (?:hard|tight|tightly|firmly|strongly)|{_MORE}carefully|{_MORE}less (?:hard|tight|tightly|firmly)|{_MORE}looser|do not squeeze(?: it)?(?: so| too)?(?: hard| much)?",
+        (rf"{_MORE}(?:gentler|softer|lighter|gently|softly|lightly|tenderly)|{_MORE}(?:with )?less force|not (?:so|that|too) (?:hard|tight|tightly|firmly|strongly)|{_MORE}less (?:hard|tight|tightly|firmly)|{_MORE}looser|do not squeeze(?: it)?(?: so| too)?(?: hard| much)?",
          _fixed(force_scale=GENTLER)),
         (rf"{_MORE}(?:firmer|tighter|harder|stronger|firmly|tightly|strongly)|{_MORE}(?:with )?more force", _fixed(force_scale=FIRMER)),
-        (rf"{_MORE}(?:slower|slowly)|not (?:so|that|too) fast|less fast", _fixed(speed_scale=SLOWER)),
+        (rf"{_MORE}(?:slower|slowly|carefully)|not (?:so|that|too) fast|less fast", _fixed(speed_scale=SLOWER)),
         (rf"{_MORE}(?:faster|quicker|quickly|fast)", _fixed(speed_scale=FASTER)),
         (r"(?:open (?:the hand |your hand )?wider|with (?:the |your )?hand wide open|wide open|open wide)", _fixed(aperture=MAX_APERTURE)),
         (r"(?:with (?:the )?|and )?(?:yaw|turn(?:ed)?|rotated?)(?: (?:the )?(?:hand|wrist|gripper|it))?(?: by| to| of| =)? ?(-?\d+(?:\.\d+)?) ?(?:deg(?:rees?)?|°)",
@@ -88,6 +88,9 @@ _READERS: tuple[tuple[re.Pattern[str], Reader], ...] = tuple(
 _GLUE = re.compile(
     r"^(?:no|nope|wait|but|and|rather|instead|please|then|this time|hold it|take it|grab it|grasp it|,|\.|;|try|it|now|do it|make it|be|go|a bit|a little|once|just|better|i mean|i said|the|to|with|use)\b ?|^[,.;] ?"
 )
+
+
+NEWTONS = re.compile(r"(\d) ?n\b")
 
 
 def plain(text: str) -> str:
@@ -113,7 +116,7 @@ def read_demand(text: str) -> tuple[str, Demand | None]:
         rest = f"{rest[: found.start()].rstrip()} {rest[found.end() :].lstrip()}".strip()
     if not values:
         return text, None
-    wording = ", ".join(part for _, part in sorted(said)).strip(" ,.")
+    wording = NEWTONS.sub(r"\1 N", ", ".join(part for _, part in sorted(said)).strip(" ,."))
     return rest, Demand(words=wording, **values)
 
 

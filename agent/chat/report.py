@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from agent import phrases
 from agent.attempt import Attempt
+from agent.kept_force import held_with
 from agent.state import State
 
 
@@ -21,9 +22,8 @@ def report(state: State) -> str:
 
 def _line(attempt: Attempt) -> str:
     grasp = attempt.plan.grasp
-    end = "held" if attempt.claimed else f"failed by {phrases.plain(attempt.failure or 'UNKNOWN').lower()}"
     level = f", level {attempt.level}" if attempt.level else ""
     return (
         f"{attempt.number + 1}. {phrases.plain(attempt.target.category)}: {grasp.type} grasp of the {attempt.plan.region}, "
-        f"{grasp.force:.1f} N{level}: {end}."
+        f"{held_with(attempt):.1f} N{level}: {phrases.ended(attempt)}."
     )

@@ -8,7 +8,7 @@ from typing import Any, cast, get_args
 
 from pydantic import ValidationError
 
-from agent import events
+from agent import events, phrases
 from agent.attempt import Attempt
 from agent.chat.events import Outcome, WhatIf
 from agent.chat.explain import shown
@@ -57,6 +57,11 @@ def whatif(attempt: Attempt, changes: dict[str, Any], context: AgentContext, fol
         plan = outcome.plan
     else:
         plan = impose(attempt.plan, (demand,))
+        if plan.grasp == attempt.plan.grasp and not attempt.sensing.grip_raised:
+            return WhatIf(
+                text=f"That is what I did: it {phrases.ended(attempt)}.",
+                attempt=attempt.number, changes=changes, real=_real(attempt),
+            )  # fmt: skip
     pictures = folder is not None
     run = rerun(context, attempt, plan, pictures=pictures)
     file = None

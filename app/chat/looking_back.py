@@ -83,7 +83,8 @@ def lines_of(row: Row) -> list[str]:
             values = [point[place] for point in row.curve]
             lines.append(f"  {name:<8}{sparkline(values, COLUMNS)} peak {max(values):.1f} N")
     if row.observed is not None:
-        word = "success" if row.observed else (row.observed_failure or "failure").lower().replace("_", " ")
+        ended = "no success before it was stopped" if row.state == "stopped" else "failure"
+        word = "success" if row.observed else (row.observed_failure or ended).lower().replace("_", " ")
         v = row.verdict
         measured = "" if v is None else f": lifted {v.lifted} cm, held {v.held} s, slip {v.slip} mm, peak {v.peak} N"
         lines.append(f"The observer saw {word}{measured}.")

@@ -55,6 +55,21 @@ def test_what_is_no_demand_is_none(words: str) -> None:
     assert read_demand(plain(words))[1] is None
 
 
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ("gently pick up the cup", {"force_scale": 0.7}), ("pick up the cup slowly, please", {"speed_scale": 0.5}),
+        ("please hand me the cup very carefully", {"speed_scale": 0.5}), ("softly take the cup", {"force_scale": 0.7}),
+    ],
+)  # fmt: skip
+def test_a_manner_counts_at_either_end(words: str, wanted: dict[str, Any]) -> None:
+    """What is a courtesy to the grammar of orders is a wish in a conversation, and the order stays what it was."""
+    (call,) = hear(words, State())
+    (demand,) = call.demands
+    assert demand.model_dump(exclude={"words"}, exclude_defaults=True) == wanted
+    assert "cup" in call.words
+
+
 def test_tools_are_heard_whatever_the_wording() -> None:
     """Free wording reaches the tool; what is none of them is a task for the brain."""
     for words, tool in (

@@ -90,8 +90,15 @@ def impose(plan: Plan, demands: tuple[Demand, ...]) -> Plan:
             )
         grasp = plan.grasp.model_copy(update={str(field): value for field, value in changes.items()})
         joints = () if "yaw" in changes else plan.joints
-        plan = plan.model_copy(update={"grasp": grasp, "provenance": provenance, "joints": joints})
+        own = plan.own_force if demand.force is None or plan.own_force is not None else plan.grasp.force
+        changed = {"grasp": grasp, "provenance": provenance, "joints": joints, "own_force": own}
+        plan = plan.model_copy(update=changed)
     return plan
+
+
+def said_by_person(plan: Plan, field: GraspField) -> bool:
+    """Whether a person had a word in a number of the plan."""
+    return any(step.id.startswith("person") for step in plan.provenance.get(field, ()))
 
 
 def _numbers(grasp: Grasp, demand: Demand) -> dict[GraspField, Any]:
