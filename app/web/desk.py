@@ -100,6 +100,9 @@ class Desk:
         if talk.pending is not None:
             self.board.pending(talk.pending)
             self._propose(talk.pending)
+        elif talk.state.plan is not None:
+            self.view.candidates(candidates_of(talk.state.plan))
+            self.view.rest()
 
     def _propose(self, asked: Any) -> None:
         """Draws the motion that waits: the grasp with its rivals, or the place."""
@@ -260,7 +263,7 @@ class Desk:
             if step.plan is not None:
                 self.view.candidates(candidates_of(step.plan))
         elif step.kind in ("observation", "finished", "refused"):
-            self.view.candidates(())
+            self.view.rest()
         # The answer is said once: as the turn's last step, with the observer's verdict under it.
         if step.kind != "asked" and (entry := entry_of(step)) is not None:
             self._enter(entry)

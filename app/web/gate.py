@@ -40,8 +40,13 @@ VIEW_POLICY = (
 )
 """Nothing may be fetched from elsewhere, whatever a library would like to."""
 
-VIEW_STYLE = b"<style>.mantine-Paper-root,.mantine-Notifications-root{display:none!important}</style>"
-"""Hides what viser's client would lay over the scene."""
+VIEW_EXTRAS = (
+    b"<style>.mantine-Paper-root,.mantine-Notifications-root{display:none!important}</style>"
+    b"<script>{const post=Worker.prototype.postMessage;Worker.prototype.postMessage=function(data,...more){"
+    b'if(data?.message?.type==="ViewerCameraMessage")window.camera=data.message;return post.call(this,data,...more)}}'
+    b"</script>"
+)
+"""Hides what viser's client would lay over the scene, and notes the camera that it tells its server of."""
 
 
 @dataclass(frozen=True)
@@ -186,7 +191,7 @@ def _request_handler(files: Callable[[Any, Any], Response | None], door: Door) -
 def _view_only(answer: Response) -> Response:
     """The client of viser without its own panel and notices: the page around it has the controls."""
     if answer.status_code == HTTPStatus.OK:
-        answer.body = answer.body.replace(b"</head>", VIEW_STYLE + b"</head>", 1)
+        answer.body = answer.body.replace(b"</head>", VIEW_EXTRAS + b"</head>", 1)
         del answer.headers["Content-Length"]
         answer.headers["Content-Length"] = str(len(answer.body))
     return _hardened(answer, VIEW_POLICY)

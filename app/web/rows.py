@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from app.steps import NOTHING_NEAR
+from app.web.hands import hand_shape
 from app.web.view import Candidate
 
 UNITS = {
@@ -44,7 +45,7 @@ def plan_panel(plan: Any, name: str) -> dict[str, Any]:
             "name": c.name, "score": round(c.score, 2), "chosen": c.chosen, "type": c.grasp.type,
             "force": round(c.grasp.force, 1), "opening": round(c.grasp.aperture * 1000),
             "tilt": round(math.degrees(math.acos(max(-1.0, min(1.0, -c.grasp.approach[2]))))),
-            "yaw": round(math.degrees(c.grasp.yaw)),
+            "yaw": round(math.degrees(c.grasp.yaw)), "hand": hand_shape(c.grasp),
         }
         for c in candidates_of(plan)[:8]
     ]  # fmt: skip
@@ -73,9 +74,8 @@ def plan_panel(plan: Any, name: str) -> dict[str, Any]:
 def lamps(watched: Sequence[dict[str, Any]], result: Any) -> list[dict[str, Any]]:
     """The constraints after a turn: inferred ones with their reasons, required ones with what the observer measured."""
     rows = []
-    reasons = {row["kind"]: row for row in watched}
     for item in result.constraints:
-        own = reasons.get(item.kind, {})
+        own = _reason(watched, item)
         state = "kept" if item.satisfied else "broken"
         measured = [measurement(key, value) for key, value in item.measured.items()]
         reason = own.get("reason") or ("" if item.inferred else "required by the task; the agent did not infer it")
@@ -84,6 +84,18 @@ def lamps(watched: Sequence[dict[str, Any]], result: Any) -> list[dict[str, Any]
              "measured": measured[:6]}
         )  # fmt: skip
     return rows or list(watched)
+
+
+def _reason(watched: Sequence[dict[str, Any]], item: Any) -> dict[str, Any]:
+    """The watched row that a measured constraint came from; empty if several could be meant.
+
+    The robot speaks of what it saw ("grey vase (obj_0)"), the observer of the scene's own names ("vase").
+    """
+    same = [row for row in watched if row["kind"] == item.kind] if item.inferred else []
+    if len(same) > 1:
+        words = set(item.target.split("_"))
+        same = [row for row in same if words & set(row["target"].replace("_", " ").split())]
+    return same[0] if len(same) == 1 else {}
 
 
 def measurement(key: str, value: Any) -> str:

@@ -1,6 +1,6 @@
 """The live 3D view: the Panda's meshes and the objects where physics has them, candidate grasps as grippers with scores.
 
-It shows; a click on a gripper shows its text, and nothing of it reaches physics.
+It shows; pointing at a gripper or clicking it shows its text, and nothing of it reaches physics.
 """
 
 from __future__ import annotations
@@ -53,6 +53,10 @@ class View:
         self._grippers: dict[str, list[Any]] = {}
         self._candidates: tuple[Candidate, ...] = ()
         self._pointed: str | None = None
+        self._clicked: str | None = None
+        """The gripper that was clicked keeps its text when the pointer leaves it: a touch screen has no pointer."""
+        self._resting = False
+        """The motion is over: a gripper is drawn only while somebody points at its row."""
         self._mark: list[Any] = []
 
     def open(self, placed: PlacedScene, qpos: NDArray[np.float64]) -> None:
@@ -65,7 +69,7 @@ class View:
         with self._lock, self._server.atomic():
             scene.reset()
             scene.set_up_direction("+z")
-            self._grippers, self._candidates, self._pointed, self._mark = {}, (), None, []
+            self._grippers, self._candidates, self._pointed, self._clicked, self._mark = {}, (), None, None, []
             self._pose = VisualPose(placed)
             self._bodies = ViserMujocoScene(self._server, self._pose.model, 1)
             self._bodies.camera_tracking_enabled = False
@@ -109,13 +113,20 @@ class View:
     # Candidate grasps ---------------------------------------------------------------------------------------------
 
     def candidates(self, candidates: Sequence[Candidate]) -> None:
-        """Draws these grasps as grippers, and nothing of earlier ones; a click on a gripper shows its text."""
+        """Draws these grasps as grippers, and nothing of earlier ones."""
         with self._lock, self._server.atomic():
             for handles in self._grippers.values():
                 _remove(handles)
-            self._candidates, self._grippers, self._pointed = tuple(candidates[:MAX_SHOWN]), {}, None
+            self._candidates, self._grippers = tuple(candidates[:MAX_SHOWN]), {}
+            self._pointed, self._clicked, self._resting = None, None, False
             for rank, candidate in enumerate(self._candidates, start=1):
                 self._grippers[candidate.name] = self._draw(rank, candidate)
+            self._colour()
+
+    def rest(self) -> None:
+        """The motion is over: the grippers go; one comes back while its row is pointed at."""
+        with self._lock, self._server.atomic():
+            self._clicked, self._resting = None, True
             self._colour()
 
     def place(self, point: tuple[float, float] | None) -> None:
@@ -133,25 +144,28 @@ class View:
             ]
 
     def point(self, name: str | None) -> None:
-        """Sets off the gripper of that name, as the list beside it does; None sets off the chosen one."""
+        """Sets off the gripper of that name, which the pointer is over, there or in the list; None: it has left."""
         with self._lock, self._server.atomic():
             if name != self._pointed:
                 self._pointed = name
                 self._colour()
 
     def _click(self, name: str) -> None:
-        """A gripper was clicked in the view: its text appears, and goes with the next click on it."""
-        self.point(None if name == self._pointed else name)
+        """A gripper was clicked in the view: its text stays, and goes with the next click on it."""
+        with self._lock, self._server.atomic():
+            self._clicked = None if name == self._clicked else name
+            self._colour()
 
     def _colour(self) -> None:
         """One gripper at a time has its text, so that two texts never lie over each other."""
-        pointed = self._pointed if self._pointed in self._grippers else None
+        pointed = next((name for name in (self._pointed, self._clicked) if name in self._grippers), None)
         for candidate in self._candidates:
             gripper, label = self._grippers[candidate.name]
             set_off = candidate.name == pointed
             gripper.color = POINTED if set_off else CHOSEN if candidate.chosen else OTHER
             gripper.opacity = 0.85 if set_off else 0.6 if candidate.chosen else 0.4
-            label.visible = set_off or (candidate.chosen and pointed is None)
+            gripper.visible = set_off or not self._resting
+            label.visible = set_off or (candidate.chosen and pointed is None and not self._resting)
 
     def _draw(self, rank: int, candidate: Candidate) -> list[Any]:
         from sim.hand import TCP_OFFSET, hand_boxes
@@ -164,7 +178,7 @@ class View:
             f"/candidates/{rank}/gripper", vertices, faces, color=OTHER, opacity=0.4, flat_shading=True,
             cast_shadow=False, receive_shadow=False, side="double",
         )  # fmt: skip
-        # Of the pointer viser tells the server of clicks on a part of the scene, never of hovering over it.
+        # Of the pointer viser tells the server of clicks on a part of the scene; hovering is found out by the page.
         gripper.on_click(lambda _event: self._click(candidate.name))
         behind = np.asarray(grasp.position) - 0.15 * rotation[:, 2]
         text = f"#{rank}  score {candidate.score:.2f}  {grasp.type}  {grasp.force:.1f} N"

@@ -70,25 +70,29 @@ export function showApproval(pending, limits, mayAct, send) {
   const inputs = FIELDS.filter(([field]) => field in pending.numbers).map(([field, label, digits, scale]) => {
     const [low, high] = (limits[field] ?? [-1e3, 1e3]).map((value) => value * scale);
     const shown = Number((pending.numbers[field] * scale).toFixed(digits));
-    const hint = `${Number(low.toFixed(digits))} to ${Number(high.toFixed(digits))}`;
-    const input = h("input", { type: "number", name: field, step: "any", min: Math.floor(low * 100) / 100, max: Math.ceil(high * 100) / 100, value: shown, title: hint, required: true, disabled: !mayAct });
-    return [field, scale, shown, input, label];
+    const hint = `${Number(low.toFixed(digits))} … ${Number(high.toFixed(digits))}`;
+    const input = h("input", { type: "number", name: field, step: "any", min: Math.floor(low * 100) / 100, max: Math.ceil(high * 100) / 100, value: shown, required: true, disabled: !mayAct });
+    return [field, scale, shown, input, label, hint];
   });
   const yes = h("button", { type: "submit", class: "yes", disabled: !mayAct }, "Approve");
   const changed = () => inputs.filter(([, , was, input]) => Number(input.value) !== was);
   fill(box, h("h2", {}, pending.question), h("p", { class: "why" }, pending.thought),
-    h("div", { class: inputs.length > 2 ? "numbers" : "numbers few" }, ...inputs.map(([, , , input, label]) => h("label", {}, label, input))),
-    h("div", { class: "row" }, yes, h("button", { type: "button", class: "no", disabled: !mayAct, onclick: () => send({ type: "reject" }) }, "Reject")));
+    h("div", { class: inputs.length > 2 ? "numbers" : "numbers few" }, ...inputs.map(([, , , input, label, hint]) => h("label", {}, label, input, h("small", { title: "Limits" }, hint)))),
+    h("div", { class: "row" }, yes, h("button", { type: "button", class: "no", disabled: !mayAct, onclick: (event) => { send({ type: "reject" }); typeOn(event); } }, "Reject")));
   box.oninput = () => { yes.textContent = changed().length ? "Approve with my numbers" : "Approve"; };
   box.onsubmit = (event) => {
     event.preventDefault();
     const edits = changed();
+    if (box.contains(document.activeElement) && !matchMedia("(pointer: coarse)").matches) $("words").focus();
     if (!edits.length) send({ type: "approve" });
     else send({ type: "edit", ...Object.fromEntries(edits.map(([field, scale, , input]) => [field, Number(input.value) / scale])) });
   };
   if (mayAct && document.activeElement === document.body) yes.focus();
 }
 
+// A button that goes when it is pressed leaves the keyboard's focus nowhere; a finger's tap must not raise a keyboard.
+const typeOn = (event) => { if (event.detail === 0) $("words").focus(); };
+
 export function showHints(words, send) {
-  fill($("hints"), ...words.map(([text, order]) => h("button", { type: "button", onclick: () => send(order) }, text)));
+  fill($("hints"), ...words.map(([text, order]) => h("button", { type: "button", onclick: (event) => { send(order); typeOn(event); } }, text)));
 }

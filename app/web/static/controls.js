@@ -1,12 +1,12 @@
 // Stop and release, scenes, sessions, speed, replays: everything in the bar and under the 3D view.
 import { enlarge } from "./chat.js";
-import { $, fill, h } from "./dom.js";
+import { $, fill, h, throttled } from "./dom.js";
 
 export function wireControls(page, send) {
   const stop = () => { window.stopPressedAt = Date.now(); send({ type: "stop" }); };
   $("stop").onclick = stop;
   $("release").onclick = () => send({ type: "release" });
-  const onKey = (event) => { if (event.key === "Escape" && !document.querySelector("dialog[open]")) stop(); };
+  const onKey = (event) => { if (event.key === "Escape" && (page.status.busy || !document.querySelector("dialog[open]"))) stop(); };
   addEventListener("keydown", onKey);
   // The 3D view is a document of its own: Esc must stop the robot there too.
   const listen = () => $("view").contentWindow.addEventListener("keydown", onKey);
@@ -59,6 +59,10 @@ function wireDialogs(page, send) {
   $("session-open").onclick = () => { send({ type: "offers" }); $("session-dialog").showModal(); };
   $("picture-open").onclick = () => enlarge($("picture").dataset.whole);
   $("scene-go").onclick = () => { send({ type: "scene", name: $("scene-pick").value, seed: Number($("scene-seed").value) || 0 }); close("scene-dialog"); };
+  // Enter in a field does what the button of that part does.
+  const enters = (fields, button) => fields.forEach((id) => $(id).addEventListener("keydown", (event) => { if (event.key === "Enter") { event.preventDefault(); $(button).click(); } }));
+  enters(["scene-seed"], "scene-go");
+  enters(["add-x", "add-y"], "add-go");
   $("add-place").onchange = (event) => { $("add-x").disabled = $("add-y").disabled = !event.target.checked; };
   $("add-go").onclick = () => {
     const position = $("add-place").checked ? [Number($("add-x").value), Number($("add-y").value)] : null;
@@ -94,8 +98,9 @@ function wireReplay(page, send) {
   let player = null;
   const length = () => page.replays.find((r) => String(r.run) === run.value)?.seconds ?? 0;
   const pause = () => { clearInterval(player); player = null; $("replay-play").textContent = "Play"; };
+  const ask = throttled((order) => send(order), 80);
   const move = () => {
-    send({ type: "replay", run: Number(run.value), share: at.value / 1000 });
+    ask({ type: "replay", run: Number(run.value), share: at.value / 1000 });
     $("replay-time").textContent = `${((at.value / 1000) * length()).toFixed(1)} s`;
   };
   at.oninput = () => { pause(); move(); };
@@ -112,7 +117,7 @@ function wireReplay(page, send) {
       if (share >= 1) pause();
     }, 100);
   };
-  $("replay-live").onclick = () => { pause(); send({ type: "live" }); at.value = 1000; };
+  $("replay-live").onclick = () => { pause(); ask({ type: "live" }); at.value = 1000; };
   const show = () => {
     const usable = page.replays.length > 0 && !page.status.busy && page.controls.yours;
     at.disabled = run.disabled = $("replay-play").disabled = !usable;

@@ -26,3 +26,19 @@ export function table(head, rows) {
   const cells = head.map(([text, kind]) => h("th", { class: kind ?? "", scope: "col" }, text));
   return h("table", {}, h("thead", {}, h("tr", {}, ...cells)), h("tbody", {}, ...rows));
 }
+
+// At most once in so many milliseconds, and always with the latest call: the server cuts off a page that talks too much.
+export function throttled(work, ms) {
+  let timer = null, latest = null;
+  const run = () => {
+    if (latest === null) return (timer = null);
+    const values = latest;
+    latest = null;
+    timer = setTimeout(run, ms);
+    return work(...values);
+  };
+  return (...values) => {
+    latest = values;
+    if (timer === null) run();
+  };
+}

@@ -1,7 +1,8 @@
 // Connects to the robot, hands messages to the panels, and orders back. The server checks every order again.
 import { addEntry, showApproval, showHints, showSaying, showTranscript } from "./chat.js";
 import { wireControls } from "./controls.js";
-import { $ } from "./dom.js";
+import { $, throttled } from "./dom.js";
+import { wireHover } from "./hover.js";
 import { showGrasps, showLamps, showMemory, showPictures, showScene, showWhy, wireTabs } from "./panels.js";
 import { wirePortage } from "./portage.js";
 import { showAttempts } from "./timeline.js";
@@ -23,13 +24,16 @@ export function send(order) {
 const sendBytes = (bytes) => { if (socket?.readyState === WebSocket.OPEN) socket.send(bytes); };
 const chooseTab = wireTabs();
 const controls = wireControls(page, send);
+const point = throttled((name) => send({ type: "point", name }), 80);
+// Grippers are drawn from the plan until the motion is over.
+wireHover(() => (page.status.busy || page.board.pending ? page.board.plan?.candidates ?? [] : []), point);
 const portage = wirePortage(send, sendBytes, (text) => controls.notice(text));
 
 const PARTS = {
   look: () => showScene(page.board.look, page.board.graph),
   graph: () => showScene(page.board.look, page.board.graph),
   constraints: (value) => showLamps(value),
-  plan: (value) => { showGrasps(value, send); showWhy(value, page.board.experiences); },
+  plan: (value) => { showGrasps(value, point); showWhy(value, page.board.experiences); },
   experiences: () => showWhy(page.board.plan, page.board.experiences),
   attempts: (value) => showAttempts(value, send),
   memory: (value) => showMemory(value, send),

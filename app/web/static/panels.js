@@ -25,13 +25,13 @@ export function showPictures(pictures, choice, choose) {
   $("picture-open").disabled = !chosen;
 }
 
-export function showGrasps(plan, send) {
+export function showGrasps(plan, point) {
   const panel = $("panel-grasps");
   if (!plan) return fill(panel, empty("No grasp is planned yet. Once the robot plans one, its candidates stand here and as grippers in the 3D view, each with its score."));
   const rows = plan.candidates.map((row, index) => {
-    const on = () => send({ type: "point", name: row.name });
-    const off = () => send({ type: "point", name: null });
-    return h("tr", { class: `pick${row.chosen ? " chosen" : ""}`, tabindex: "0", title: "Sets it off in the 3D view", onmouseenter: on, onmouseleave: off, onfocus: on, onblur: off },
+    const on = () => point(row.name);
+    const off = () => point(null);
+    return h("tr", { class: `pick${row.chosen ? " chosen" : ""}`, "data-name": row.name, tabindex: "0", title: "Sets it off in the 3D view", onmouseenter: on, onmouseleave: off, onfocus: on, onblur: off },
       h("td", {}, `${row.chosen ? "▶ " : ""}#${index + 1}`), h("td", { class: "n" }, row.score.toFixed(2)), h("td", {}, row.type), h("td", { class: "n" }, `${row.force} N`), h("td", { class: "n" }, `${row.opening} mm`), h("td", { class: "n" }, `${row.tilt}°`), h("td", { class: "n" }, `${row.yaw}°`));
   });
   const rejected = Object.entries(plan.rejected).map(([reason, count]) => `${count} ${reason}`);

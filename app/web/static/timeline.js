@@ -2,7 +2,7 @@
 import { $, fill, h, svg } from "./dom.js";
 
 const W = 640, H = 104, LEFT = 34, RIGHT = 8, TOP = 8, BOTTOM = 20;
-const GRIP = "#0072b2", WRIST = "#b36b00";
+const GRIP = "#0072b2", WRIST = "#a35f00";
 
 function line(points, x, y, index) {
   return points.map((point, number) => `${number ? "L" : "M"}${x(point[0]).toFixed(1)} ${y(point[index]).toFixed(1)}`).join("");

@@ -49,11 +49,12 @@ def _send(socket: Any, body: bytes) -> None:
 def test_a_session_goes_out_and_comes_in(site: Any) -> None:
     """Packed it can be fetched once, with the cookie only; sent back it is there under a free name; rubbish is refused."""
     from websockets.sync.client import connect
+    from websockets.typing import Origin
 
-    cookie, origin = _cookie(site), f"http://127.0.0.1:{site.port}"
+    cookie, origin = _cookie(site), Origin(f"http://127.0.0.1:{site.port}")
     socket = connect(
         f"ws://127.0.0.1:{site.port}/talk", additional_headers={"Cookie": cookie}, origin=origin, max_size=None
-    )  # type: ignore[arg-type]
+    )
     socket.send(json.dumps({"type": "enter", "page": "0123456789abcdef"}))
     _until(socket, "hello")
     list(site.desk.talk.say("what do you see"))

@@ -43,6 +43,36 @@ def test_one_gripper_at_a_time_has_its_text(view: Any) -> None:
     assert [text.split()[0] for text in _texts(view)] == ["#1"]
 
 
+def test_what_was_clicked_outlasts_pointing(view: Any) -> None:
+    """The pointer passes over other grippers; what was clicked has its text again when the pointer leaves."""
+    _three(view)
+    view._click("g2")
+    view.point("g1")
+    assert [text.split()[0] for text in _texts(view)] == ["#2"]
+    view.point(None)
+    assert [text.split()[0] for text in _texts(view)] == ["#3"]
+
+
+def test_after_the_motion_a_gripper_comes_back_for_its_row_only(view: Any) -> None:
+    """At rest none is drawn; pointing at a row draws that one alone; a new plan is drawn whole."""
+
+    def drawn() -> list[bool]:
+        return [gripper.visible for gripper, _ in view._grippers.values()]
+
+    _three(view)
+    assert drawn() == [True, True, True]
+    view.rest()
+    assert drawn() == [False, False, False]
+    assert _texts(view) == []
+    view.point("g1")
+    assert drawn() == [False, True, False]
+    assert [text.split()[0] for text in _texts(view)] == ["#2"]
+    view.point(None)
+    assert drawn() == [False, False, False]
+    _three(view)
+    assert drawn() == [True, True, True]
+
+
 def test_a_gripper_can_be_clicked(view: Any) -> None:
     """Each gripper is clickable for viser, and the colours tell chosen, pointed and others apart."""
     from app.web.view import CHOSEN, OTHER, POINTED
