@@ -108,9 +108,15 @@ def table(physics: Sequence[Trial], analytic: Sequence[Trial]) -> Table:
          "accuracy", "Cohen κ", "AUC of Q", "attempts"),
         tuple(rows),
         "Outcomes of the same trials. κ is agreement beyond chance (0: none). AUC of Q: chance that an attempt that "
-        "succeeds in physics was predicted a higher quality than one that fails (0.5: Q says nothing).",
+        "succeeds in physics was predicted a higher quality than one that fails (0.5: Q says nothing); none where all attempts "
+        f"ended alike. Perception: {_perceptions(a for a, _ in pairs)} in physics, {_perceptions(b for _, b in pairs)} in "
+        "the model.",
         frozenset({"all"}),
     )  # fmt: skip
+
+
+def _perceptions(trials: Iterable[Trial]) -> str:
+    return " and ".join(sorted({t.perception for t in trials}))
 
 
 def _row(name: str, pairs: Sequence[tuple[Trial, Trial]]) -> tuple[Content, ...]:

@@ -12,7 +12,7 @@ from bench.report.recovery import ENDS, endings
 from bench.report.results import Results
 from bench.report.times import PARTS
 
-LABEL, ROW, WIDTH = 215, 26, 700
+LABEL, ROW, WIDTH = 225, 26, 700
 
 ENDING_COLOURS = ("var(--s-1)", "var(--s-2)", "var(--s-3)", "var(--s-4)", "var(--c-red)", "var(--c-grey)")
 """Blues from the first try to the last retry, red for what stayed unsolved: also told apart by lightness alone."""

@@ -10,7 +10,7 @@ from bench.report.results import CATEGORIES, CATEGORY_WORDS, Results, solved
 from bench.report.value import Count, Span, signed
 from bench.statistics import wilson
 
-LABEL = 215
+LABEL = 225
 """Width of the column of names [px]."""
 ROW = 24
 """Height of a row [px]."""

@@ -45,6 +45,17 @@ class Contrast:
         return sum(map(len, self.pairs.values()))
 
     @property
+    def solved(self) -> tuple[int, int]:
+        """Successes of full, and of the other, on the paired trials."""
+        found = [pair for outcomes in self.pairs.values() for pair in outcomes]
+        return sum(mine for mine, _ in found), sum(theirs for _, theirs in found)
+
+    @property
+    def lead(self) -> int:
+        """By how many trials full is ahead."""
+        return self.test.only_first - self.test.only_second
+
+    @property
     def discordance(self) -> float:
         """Share of pairs whose outcomes differ."""
         return (self.test.only_first + self.test.only_second) / self.count if self.count else 0.0
@@ -120,7 +131,7 @@ def tables(results: Results) -> list[Table]:
         "Full minus the other, on the same worlds, in percentage points. Intervals: 10,000 bootstrap resamples of trials "
         "within tasks, and of tasks and their trials. p: exact McNemar, adjusted by Holm over the "
         f"{len(REGISTERED)} registered contrasts"
-        + (f"; not run, counted as p = 1: {', '.join(missing)}." if missing else ".")
+        + (f"; without a pair of trials, counted as p = 1: {', '.join(missing)}." if missing else ".")
         + " Contrasts with blind_retry use the trials whose first attempt failed. Detectable: the smallest difference that so "
         "many pairs with this many discordant ones show with 80 % power."
     )

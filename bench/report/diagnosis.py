@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from bench.report.results import Results
+from bench.report.results import Results, Sample
 from bench.report.table import Table
 from bench.report.value import Content, Count
 from bench.trial import Attempt, Trial
@@ -30,7 +30,7 @@ def tables(results: Results) -> list[Table]:
     found = [breakdown(results), honesty(results)]
     failing = [name for name in results.configurations if failed_attempts(results.of(name))]
     if failing:
-        found.append(confusion(results, failing[0]))
+        found += [confusion(sample) for sample in results.samples(failing[0])]
     return found + harness_errors(results)
 
 
@@ -48,9 +48,9 @@ def breakdown(results: Results) -> Table:
     )
 
 
-def confusion(results: Results, configuration: str) -> Table:
+def confusion(sample: Sample) -> Table:
     """The observer's label against the robot's diagnosis."""
-    failed = failed_attempts(results.of(configuration))
+    failed = failed_attempts(sample.trials)
     pairs = Counter((a.observed or "UNKNOWN", CLAIMED if a.claimed else a.failure or "UNKNOWN") for a in failed)
     said = [kind for kind in (*FAILURE_TYPES, CLAIMED) if any(kind == word for _, word in pairs)]
     rows: list[tuple[Content, ...]] = []
@@ -63,8 +63,8 @@ def confusion(results: Results, configuration: str) -> Table:
         ("all", *(sum(n for (_, own), n in pairs.items() if own == word) for word in said), Count(right, len(failed)))
     )
     return Table(
-        "confusion",
-        f"Diagnosis against truth ({configuration})",
+        f"confusion{sample.suffix}",
+        f"Diagnosis against truth ({sample.words})",
         ("observed", *said, "right"),
         tuple(rows),
         "Rows: what the observer saw. Columns: what the robot concluded from its own sensing; (success): it did not "

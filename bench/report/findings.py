@@ -60,7 +60,7 @@ def cards(results: Results, configuration: str = "full") -> list[Card]:
         Card(
             "Damage per 100 trials",
             f"{100 * events / len(trials):.1f}",
-            f"{events} events, {len(trials)} trials",
+            f"{events} event{'' if events == 1 else 's'}, {len(trials)} trials",
             "not reported",
         ),
         Card("Attempts per success", f"{per_success:.2f}", f"{len(goals)} sub-goals", f"{MEAN_ATTEMPTS} per trial"),
@@ -76,13 +76,25 @@ def _share(title: str, count: Count, paper: str) -> Card:
 
 
 def findings(results: Results) -> list[Finding]:
-    """What was shown and what was not, one sentence per registered contrast, then the harness errors."""
+    """What was shown and what was not, one sentence per registered contrast, then what else is no worse than full."""
     found = contrasts(results)
     holm_p = adjusted(found)
     words = [_contrast(item, holm_p[item.name]) for item in found if item.name in holm_p]
     errors = sum(t.harness_error is not None for t in results.all)
     said = f"{errors or 'None'} of the {len(results.all)} trials ended in a harness error"
-    return [*words, Finding("harness", f"{said}; they count as failures." if errors else f"{said}.")]
+    return [*words, *_peers(found), Finding("harness", f"{said}; they count as failures." if errors else f"{said}.")]
+
+
+def _peers(found: Sequence[Contrast]) -> list[Finding]:
+    """Configurations outside the registered family that full is not ahead of: nobody should have to look for them."""
+    own = [item for item in found if item.name not in REGISTERED and item.name == item.rival and item.lead <= 0]
+    if not own:
+        return []
+    named = [
+        f"{item.rival} ({item.solved[0]} against {item.solved[1]} of {item.count})"
+        for item in sorted(own, key=lambda item: (item.lead / item.count, item.rival))
+    ]
+    return [Finding("not shown", f"Not registered, and full is not ahead of them either: {_enumerated(named)}.")]
 
 
 def silent(results: Results) -> list[str]:
@@ -95,7 +107,7 @@ def silent(results: Results) -> list[str]:
         rival, _, level = name.partition(" at noise ")
         noise = float(level) if level else results.noise
         ran = any(t.configuration == rival and t.noise == noise for t in results.all)
-        why = "no first attempt of full failed there" if ran and level else "the two share no trial"
+        why = "no first attempt of full failed in a trial of both" if ran and level else "the two share no trial"
         words.append(f"full against {name}: nothing to compare, {why}.")
     return words
 
@@ -107,12 +119,28 @@ def _contrast(item: Contrast, p: float) -> Finding:
     where = " after a failed first attempt" + item.name.removeprefix(rival).replace(" at", " at", 1)
     place = where if item.name != rival else ""
     if p < ALPHA and item.difference.value > 0:
-        return Finding("shown", f"full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}.")
+        behind = _tasks(item, "behind on", worse=True)
+        return Finding(
+            "shown", f"full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}{behind}.{_narrow(item)}"
+        )
     if p < ALPHA:
         return Finding("worse", f"full is worse than {rival}{place}: {numbers}{_tasks(item, 'behind on', worse=True)}.")
     behind = _tasks(item, "behind on", worse=True)
     words = f"This run does not show that full beats {rival}{place}: {numbers}{_tasks(item, 'ahead on')}{behind}."
     return Finding("not shown", words)
+
+
+def _narrow(item: Contrast) -> str:
+    """What a sceptic would ask of a lead: whether one task alone makes it, and whether other tasks would have shown it."""
+    leads = {task: sum(a - b for a, b in outcomes) for task, outcomes in item.pairs.items()}
+    best = max(leads, key=lambda task: leads[task])
+    words = ""
+    if len(leads) > 1 and item.lead - leads[best] <= 0:
+        rest = [pair for task, outcomes in item.pairs.items() if task != best for pair in outcomes]
+        words += f" Without {best} it is {sum(a for a, _ in rest)} against {sum(b for _, b in rest)} of {len(rest)}."
+    if len(leads) > 1 and item.over_tasks.low <= 0.0 < item.over_tasks.high:
+        words += " With the tasks drawn anew as well, the interval includes zero."
+    return words
 
 
 def _tasks(item: Contrast, what: str, *, worse: bool = False) -> str:

@@ -61,6 +61,7 @@ def tables(results: Results) -> list[Table]:
             ("configuration", "noise", "success", "95 % Wilson"),
             tuple(rows),
             "Noise 1 is the benchmark's; the factor scales the uncertainty of depth, calibration, friction and mass "
-            f"together. The same worlds at every point. All other tables are at noise {results.noise:g}.",
+            f"together. The same worlds at every point, and only those: {next(iter(next(iter(found.values())).values()))[0].n} "
+            f"trials each. All other tables are at noise {results.noise:g}.",
         )
     ]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from agent.configuration import CONFIGURATIONS
 from bench.report.recovery import MAX_ATTEMPTS, subgoals
 from bench.report.results import Results
 from bench.report.table import Table
@@ -135,6 +136,12 @@ def forces(results: Results) -> Table:
     )  # fmt: skip
 
 
+def _has_memory(name: str) -> bool:
+    """Whether the configuration has an episodic memory; names of other versions may have had one."""
+    known = CONFIGURATIONS.get(name)
+    return known is None or known.switches.memory
+
+
 def habits(results: Results) -> Table:
     """Strict success, use of the memory, abstentions."""
     rows: list[tuple[Content, ...]] = []
@@ -149,7 +156,7 @@ def habits(results: Results) -> Table:
             (
                 name,
                 Count(sum(bool(t.strict) for t in judged), len(judged)),
-                Count(sum(g.attempts[0].remembered for g in later), len(later)),
+                Count(sum(g.attempts[0].remembered for g in later), len(later)) if _has_memory(name) else None,
                 Count(len(still), len(trials)),
                 Count(sum(t.claimed and not t.success for t in trials), sum(t.claimed for t in trials)),
                 Count(sum(t.success and not t.claimed for t in trials), sum(t.success for t in trials)),
@@ -162,6 +169,6 @@ def habits(results: Results) -> Table:
          "missed of successes"),
         tuple(rows),
         "Strict: every grasp on the annotated region and no required constraint violated. Memory hits: later sub-goals of "
-        "a trial whose first grasp took a number from the episodic memory. Abstained: nothing was moved.",
+        "a trial whose first grasp took a number from the episodic memory, where there is one. Abstained: nothing was moved.",
         frozenset({"full"}),
     )  # fmt: skip

@@ -39,7 +39,7 @@ def ending(goal: SubGoal) -> str:
 
 def tables(results: Results) -> list[Table]:
     """Attempts, recovery, endings, corrections."""
-    return [attempts(results), ladder(results), *efficacies(results)]
+    return [attempts(results), ladder(results), *efficacies(results), *by_noise(results)]
 
 
 def attempts(results: Results) -> Table:
@@ -73,7 +73,8 @@ def attempts(results: Results) -> Table:
         tuple(rows),
         "A sub-goal is one object to grasp and perhaps to put somewhere. Per success: all attempts over solved sub-goals. "
         "Recovered: solved after a failed first attempt, of all whose first attempt failed; a trial also counts where "
-        "one of its sub-goals failed at first and the whole trial succeeded.",
+        "one of its sub-goals failed at first and the whole trial succeeded. First attempt: that grasp held; a solved "
+        "sub-goal has also ended up where it was to be put, so fewer may be solved than were held.",
         frozenset({"full"}),
     )  # fmt: skip
 
@@ -99,6 +100,34 @@ def ladder(results: Results) -> Table:
     )
 
 
+def by_noise(results: Results) -> list[Table]:
+    """Recovery at every noise, where there are several: at little noise hardly a first attempt fails."""
+    rows: list[tuple[Content, ...]] = []
+    for configuration in results.configurations:
+        for level in results.noises if len(results.noises) > 1 else ():
+            goals = [goal for goal in subgoals(results.of(configuration, noise=level)) if goal.attempts]
+            failed = [goal for goal in goals if goal.first_failed]
+            if not failed:
+                continue
+            spent, good = sum(len(goal.attempts) for goal in goals), sum(goal.success for goal in goals)
+            recovered = Count(sum(goal.recovered for goal in failed), len(failed))
+            rows.append(
+                (configuration, Number(level, 1), len(goals), recovered, Number(spent / good) if good else None)
+            )
+    if not rows:
+        return []
+    return [
+        Table(
+            "recovery_by_noise",
+            "Recovery at every noise",
+            ("configuration", "noise", "sub-goals", "recovered of first failures", "attempts per success"),
+            tuple(rows),
+            "All trials at that noise, which need not be the same tasks at each: only rows of one noise whose sub-goals "
+            "are as many can be compared.",
+        )
+    ]
+
+
 def correction_counts(trials: Sequence[Trial]) -> dict[tuple[str, int], Count]:
     """(Failure type, level) of a correction -> successes of the attempt that it led to."""
     tried: Counter[tuple[str, int]] = Counter()
@@ -112,26 +141,29 @@ def correction_counts(trials: Sequence[Trial]) -> dict[tuple[str, int], Count]:
 
 
 def efficacies(results: Results) -> list[Table]:
-    """Success of the next attempt by diagnosed type and level, for `full`, or the first configuration that corrected."""
+    """Success of the next attempt by diagnosed type and level, for `full`, or the first configuration that corrected.
+
+    Where that one corrected seldom, the same at every noise, and of all configurations, says more.
+    """
     for configuration in results.configurations:
-        counts = correction_counts(results.of(configuration))
-        if counts:
-            break
-    else:
-        return []
+        if correction_counts(results.of(configuration)):
+            samples = results.samples(configuration)
+            return [_efficacy(sample.suffix, sample.words, correction_counts(sample.trials)) for sample in samples]
+    return []
+
+
+def _efficacy(suffix: str, words: str, counts: dict[tuple[str, int], Count]) -> Table:
     kinds = [name for name in FAILURE_TYPES if any(name == kind for kind, _ in counts)]
     rows = [(kind, *(counts.get((kind, level)) for level in (1, 2, 3)), _total(counts, kind)) for kind in kinds]
     rows.append(("all", *(_total(counts, None, level) for level in (1, 2, 3)), _total(counts, None)))
-    return [
-        Table(
-            "efficacy",
-            f"Did the correction help? ({configuration})",
-            ("diagnosed", "level 1", "level 2", "level 3", "all levels"),
-            tuple(rows),
-            "Successes of the very next attempt, by what the robot diagnosed and the level of its correction.",
-            shaded=True,
-        )
-    ]
+    return Table(
+        f"efficacy{suffix}",
+        f"Did the correction help? ({words})",
+        ("diagnosed", "level 1", "level 2", "level 3", "all levels"),
+        tuple(rows),
+        "Successes of the very next attempt, by what the robot diagnosed and the level of its correction.",
+        shaded=True,
+    )
 
 
 def _total(counts: dict[tuple[str, int], Count], kind: str | None, level: int | None = None) -> Count | None:

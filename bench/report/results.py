@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
+from agent.configuration import CONFIGURATIONS
 from bench.suite import GROUPS, TWELVE
 from bench.trial import CORE_SUITE, Trial, in_order
 
@@ -21,6 +23,17 @@ ORDER = (
     "levels_as_written", "random_in_category", "geometry_only", "oracle_perception", "oracle_phi",
 )  # fmt: skip
 """The paper's seven first, in its order, then the rivals and variants."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Trials that one table counts."""
+
+    suffix: str
+    """Of the table's name."""
+    words: str
+    """Which trials these are."""
+    trials: Sequence[Trial]
 
 
 class Results:
@@ -52,6 +65,18 @@ class Results:
             return own
         return [t for t in own if is_core(t) and t.task in wanted]
 
+    def samples(self, configuration: str) -> list[Sample]:
+        """A configuration's trials; where they fail seldom, also those of every noise, and those of all configurations."""
+        found = [Sample("", configuration, self.of(configuration))]
+        if len(self.noises) > 1:
+            noisy = [trial for level in self.noises for trial in self.of(configuration, noise=level)]
+            found.append(Sample("_noises", f"{configuration}, noise {self.noises[0]:g} to {self.noises[-1]:g}", noisy))
+        own = [name for name in self.configurations if not _is_told(name)]
+        if len(own) > 1:
+            every = [trial for name in own for trial in self.of(name)]
+            found.append(Sample("_all", "all configurations together; they share many attempts", every))
+        return found
+
     def of_suite(self, configuration: str, suite: str, task: str | None = None) -> list[Trial]:
         """Trials of a configuration outside the twelve tasks."""
         return [
@@ -62,6 +87,12 @@ class Results:
             and not is_core(t)
             and (task is None or t.task == task)
         ]
+
+
+def _is_told(name: str) -> bool:
+    """The evaluator tells this configuration what failed: its diagnosis is not the robot's."""
+    known = CONFIGURATIONS.get(name)
+    return known is not None and known.switches.diagnosis == "oracle_phi"
 
 
 def is_core(trial: Trial) -> bool:

@@ -47,7 +47,8 @@ def damage(results: Results) -> Table:
         ("configuration", "damage events", "to the target", "to others", "per 100 trials", "trials that moved a neighbour",
          "displacement median [mm]", "95th percentile [mm]", "measured"),
         tuple(rows),
-        "Displacement of the neighbours and occluders that a task protects. A neighbour counts as moved from 5 mm or 5°.",
+        "Moved a neighbour: anything that was not to be touched was moved by 5 mm or 5° in an attempt, in any task. "
+        "Displacement: of the neighbours and occluders that a task protects; measured: how many these are.",
         frozenset({"full"}),
     )  # fmt: skip
 

@@ -26,10 +26,17 @@ def legend(results: Results) -> Table:
         "What the configurations are",
         ("configuration", "is"),
         tuple((name, row.says if row else None) for name, row in known),
-        "All but vlm_only and paper_literal share perception, candidate generator, kinematics, recovery ladder and, where they "
-        "have the scene graph, clearance scoring.",
+        "Perception (but oracle_perception's) and kinematics are shared by all; candidate generator and recovery ladder by all "
+        "but vlm_only and paper_literal (no_recovery has no ladder); clearance scoring by all that have the scene graph but "
+        f"paper_literal.{_brain(results)}",
         frozenset({"full"}),
     )
+
+
+def _brain(results: Results) -> str:
+    """A reader of vlm_only must know whether there was a model."""
+    rules = all(t.brain == "rules" for t in results.all)
+    return " No vision-language model took part in this run." if rules else ""
 
 
 def headline(results: Results) -> Table:

@@ -82,13 +82,19 @@ def facts(results: Results) -> dict[str, str]:
         "trials": f"{len(results.all):,}",
         "tasks": str(len(results.tasks)),
         "configurations": str(len(results.configurations)),
-        "repetitions": str(len({t.repetition for t in results.all})),
+        "repetitions": _repetitions(results),
         "evaluator": first.evaluator,
         "perception": ", ".join(dict.fromkeys(t.perception for t in results.all)),
         "brain": first.brain,
         "seeds": f"{min(seeds)} to {max(seeds)}" if seeds else "–",
         "noise": ", ".join(f"{level:g}" for level in results.noises),
     }
+
+
+def _repetitions(results: Results) -> str:
+    """How often the configurations were repeated; a range where some were repeated oftener than others."""
+    counts = [len({t.repetition for t in results.all if t.configuration == name}) for name in results.configurations]
+    return str(counts[0]) if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
 
 
 def subtitle(results: Results) -> str:
