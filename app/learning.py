@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kb.errors import BadInputError
+from kb.errors import BadInputError, EnvironmentFaultError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -153,11 +153,12 @@ class Learner:
     """Enters the outcomes of a session into its learning knowledge base."""
 
     def __init__(self, options: RunOptions, needed: int = 3) -> None:
-        """Opens the knowledge base, or begins one with the shipped one.
+        """Opens the knowledge base, or begins one with the shipped one, embedded by the session's embedder.
 
         Raises:
             EnvironmentFaultError: it is damaged, cannot be written, or was embedded by another embedder.
         """
+        from kb.embed_store import embedded_store
         from kb.learned import LearnedBase
         from kb.open_embedder import open_embedder
         from kb.store import ExperienceStore
@@ -166,10 +167,14 @@ class Learner:
         folder = Path(options.kb) if options.kb is not None else default_folder()
         if folder.is_file():
             raise BadInputError(f"{folder} is a file; learning needs a folder", where="--kb")
-        self._base = LearnedBase.begin(folder)
+        embedder = open_embedder(options.embedder)
+        shipped = embedded_store(ExperienceStore.open(), embedder)
+        self._base = LearnedBase.begin(folder, start=shipped)
         self.store = self._base.store()
-        self.store.require_embedder(open_embedder(options.embedder).name)
-        self._suite = make_suite(ExperienceStore.open())
+        if self.store.embedder_name != embedder.name:
+            what = f"{folder} learns with the embedder {self.store.embedder_name!r}, the session uses {embedder.name!r}"
+            raise EnvironmentFaultError(what, mend="use that embedder, or another folder: --kb DIR")
+        self._suite = make_suite(shipped)
         self._rules = LearnRules(needed=needed)
 
     def after(self, agent: Agent) -> Iterator[BaseStep]:

@@ -26,6 +26,8 @@ BATCH = 16
 """Pictures that go through the network at once."""
 DEFAULT_TAG = "openai"
 MEND = "install the extra: pip install 'agentic-rag-vlm[models]'"
+FILES = (".safetensors", ".pt", ".pth", ".bin")
+"""Endings that say that a file is meant and no tag."""
 HEAD = 1 << 20
 """Bytes at either end of a weights file that its digest reads."""
 
@@ -44,13 +46,15 @@ class ClipEmbedder:
             BadInputError: neither a tag nor a file.
             EnvironmentFaultError: the extra is not installed, or the weights cannot be loaded or fetched.
         """
+        file = Path(weights)
+        if not file.is_file() and (file.suffix in FILES or len(file.parts) > 1):
+            raise BadInputError(f"the weights file {weights} does not exist", where="--embedder")
         try:
             self._torch: Any = importlib.import_module("torch")
             open_clip: Any = importlib.import_module("open_clip")
         except ImportError as error:
             raise EnvironmentFaultError(f"the CLIP embedder cannot start: {error}", mend=MEND) from error
         tags: list[str] = list(open_clip.list_pretrained_tags_by_model(MODEL))
-        file = Path(weights)
         self.is_published = weights in tags
         """Whether the weights are a published CLIP, named by its tag; a file may hold anything."""
         if not self.is_published and not file.is_file():

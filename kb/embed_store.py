@@ -55,7 +55,8 @@ def views_of(store: ExperienceStore, wanted: str) -> list[ReferenceView]:
         EnvironmentFaultError: if the store has no file, or views are missing.
     """
     what = f"the knowledge base was embedded with {store.embedder_name!r}, the session uses {wanted!r}"
-    mend = "make its reference views with `ragvlm kb views`, or use the embedder that it was made with"
+    named = "" if store.path is None else f" --store {store.path}"
+    mend = f"make its reference views with `ragvlm kb views{named}`, or use the embedder that it was made with"
     if store.path is None or not views_path(store.path).is_file():
         raise EnvironmentFaultError(f"{what}, and it has no reference views to embed anew", mend=mend)
     stored = load_views(views_path(store.path))

@@ -19,7 +19,7 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError
 
 from kb.base import Noun
-from kb.errors import EnvironmentFaultError
+from kb.errors import BadInputError, EnvironmentFaultError
 from kb.experience import Experience
 from kb.lesson import Lesson
 
@@ -55,7 +55,8 @@ class Journal:
         """Reads the journal.
 
         Raises:
-            EnvironmentFaultError: no journal, an unreadable one, a damaged line or another format.
+            BadInputError: there is no journal.
+            EnvironmentFaultError: an unreadable one, a damaged line or another format.
         """
         self.folder = folder
         self._path = folder / JOURNAL
@@ -69,8 +70,12 @@ class Journal:
             with self._path.open("rb") as stream:
                 stream.seek(self._offset)
                 data = stream.read()
+        except (FileNotFoundError, NotADirectoryError) as error:
+            what = f"there is no learning knowledge base in {self.folder}"
+            mend = f"begin one with `ragvlm run ... --learn --kb {self.folder}`"
+            raise BadInputError(f"{what} (no {JOURNAL}); {mend}") from error
         except OSError as error:
-            mend = "begin one with `ragvlm run ... --learn`"
+            mend = "make it readable, or give another folder: --kb DIR"
             raise EnvironmentFaultError(f"cannot read the journal {self._path}: {error.strerror}", mend=mend) from error
         whole = data[: data.rfind(b"\n") + 1]
         for line in whole.splitlines():

@@ -49,8 +49,8 @@ class LearnedBase:
         """An existing learning knowledge base.
 
         Raises:
-            EnvironmentFaultError: there is none, or it is damaged.
-            BadInputError: its base is damaged.
+            EnvironmentFaultError: its journal is damaged.
+            BadInputError: there is none, or its base is damaged.
         """
         return cls(Journal(folder))
 

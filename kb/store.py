@@ -47,17 +47,24 @@ class ExperienceStore:
         """Reads a store; without a path, the one shipped with the package.
 
         Raises:
-            EnvironmentFaultError: if the file cannot be read.
-            BadInputError: if a line is damaged or of another version, with the line's number.
+            BadInputError: if a file that was named does not exist or holds no text, or a line is damaged or of another
+                version, with the line's number.
+            EnvironmentFaultError: if the file cannot be read, or the shipped one is missing.
         """
         file = Path(str(resources.files("kb").joinpath("data", SHIPPED))) if path is None else Path(path)
         try:
             text = file.read_text(encoding="utf-8")
         except FileNotFoundError as error:
-            raise EnvironmentFaultError(f"there is no knowledge base at {file}", mend=SUGGESTED_MEND) from error
-        except (OSError, UnicodeDecodeError) as error:
+            what = f"there is no knowledge base at {file}"
+            if path is None:
+                raise EnvironmentFaultError(what, mend=SUGGESTED_MEND) from error
+            raise BadInputError(f"{what}; make one with `ragvlm kb build --out {file}`") from error
+        except UnicodeDecodeError as error:
+            what = f"this is no knowledge base of ours: byte {error.start} is no text; {SUGGESTED_MEND}"
+            raise BadInputError(what, where=str(file)) from error
+        except OSError as error:
             raise EnvironmentFaultError(
-                f"cannot read the knowledge base {file}: {error}", mend=SUGGESTED_MEND
+                f"cannot read the knowledge base {file}: {error.strerror}", mend=SUGGESTED_MEND
             ) from error
         header, entries = parse_store(text, str(file))
         return cls(header, entries, file)

@@ -54,14 +54,27 @@ def test_each_fault_is_one_line(name: str, tmp_path: Path, capsys: pytest.Captur
     assert path.read_text() == content
 
 
-def test_an_absent_or_binary_file_is_an_environment_fault(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing there, or bytes that are no text: exit 3 with the mend in one line."""
+def test_an_absent_or_binary_file_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing where the caller says, or bytes that are no text: exit 2 with the mend in one line."""
     binary = tmp_path / "kb.jsonl"
-    binary.write_bytes(bytes(range(256)))
+    content = bytes(range(256))
+    binary.write_bytes(content)
     for path in (tmp_path / "nothing.jsonl", binary):
         code, error = said(["kb", "show", "--store", str(path)], capsys)
-        assert (code, error.count("\n")) == (3, 1)
+        assert (code, error.count("\n")) == (2, 1)
+        assert str(path) in error
         assert "kb build" in error
+    assert binary.read_bytes() == content
+
+
+def test_a_shipped_file_that_is_gone_is_an_environment_fault(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a path nobody named a wrong one: the installation is damaged, exit 3."""
+    monkeypatch.setattr("kb.store.resources.files", lambda _: tmp_path)
+    code, error = said(["kb", "show"], capsys)
+    assert (code, error.count("\n")) == (3, 1)
+    assert "restore the file" in error
 
 
 def test_a_file_that_cannot_be_written_keeps_its_content(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

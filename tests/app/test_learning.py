@@ -5,16 +5,33 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from app.command_line import run_command_line
+from app.learning import Learner
 from app.options import RunOptions
 from app.session import Session
 from kb.errors import EnvironmentFaultError
 from kb.learned import LearnedBase
+from kb.shape_colour import ShapeColourEmbedder
 from tests.experience_fixtures import make_store
 
 WORDS = "pick up the cube"
+
+
+class MeanColour:
+    """A stand-in for a learnt embedder: the mean colour of what is masked."""
+
+    name, dim = "mean-colour", 3
+
+    def embed(
+        self, rgb: NDArray[np.uint8], mask: NDArray[np.bool_], depth: NDArray[np.float32] | None = None
+    ) -> NDArray[np.float64]:
+        """A unit vector (3,)."""
+        colour = rgb[mask].mean(axis=0) + 1.0
+        return colour / np.linalg.norm(colour)
 
 
 def session(folder: Path) -> Session:
@@ -62,8 +79,10 @@ def test_learning_says_what_it_cannot(tmp_path: Path, capsys: pytest.CaptureFixt
         (["--kb", str(foreign)], 3),
         (["--learn", "--kb", str(file)], 2),
         (["--learn", "--kb-url", "http://127.0.0.1:1"], 2),
-        (["--kb", str(tmp_path / "none.jsonl")], 3),
+        (["--kb", str(tmp_path / "none.jsonl")], 2),
+        (["--kb", str(tmp_path)], 2),
         (["--embedder", "eyes"], 2),
+        (["--embedder", f"clip:{tmp_path}/none.safetensors"], 2),
     ):
         assert run_command_line(["run", WORDS, "--dry-run", *words]) == code
         assert capsys.readouterr().err.count("\n") == 1
@@ -71,6 +90,27 @@ def test_learning_says_what_it_cannot(tmp_path: Path, capsys: pytest.CaptureFixt
     (tmp_path / "kb" / "journal.jsonl").write_text("rubbish\n")
     with pytest.raises(EnvironmentFaultError, match="damaged"):
         session(tmp_path / "kb")
+
+
+def test_a_folder_learns_with_the_embedder_it_began_with(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Begun with another embedder, the folder's entries have its vectors; a session with the usual one is refused in one
+    line that names the mend, and the folder stays as it was."""
+    monkeypatch.setenv("RAGVLM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(
+        "kb.open_embedder.open_embedder", lambda word="": MeanColour() if word == "other" else ShapeColourEmbedder()
+    )
+    folder = tmp_path / "kb"
+    asked = {"scene": "single_cube", "evaluator": "analytic", "perception": "oracle", "kb": str(folder), "learn": True}
+    store = Learner(RunOptions(**asked, embedder="other")).store
+    assert (store.embedder_name, len(store), store.header.dim) == ("mean-colour", 116, 3)
+    before = [(file.name, file.read_bytes()) for file in sorted(folder.iterdir())]
+    assert run_command_line(["run", WORDS, "--dry-run", "--learn", "--kb", str(folder)]) == 3
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "learns with the embedder 'mean-colour', the session uses 'shape-colour-1'; use that embedder" in said
+    assert [(file.name, file.read_bytes()) for file in sorted(folder.iterdir())] == before
 
 
 def test_teaching_what_is_not_there_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -199,7 +199,7 @@ def test_damage_is_told_in_one_line_and_changes_nothing(tmp_path: Path) -> None:
             LearnedBase.open(folder)
         assert "\n" not in str(caught.value)
         assert path.read_bytes() == content
-    with pytest.raises(EnvironmentFaultError, match="journal"):
+    with pytest.raises(BadInputError, match="no learning knowledge base in"):
         LearnedBase.open(tmp_path / "nothing")
 
 
