@@ -49,12 +49,12 @@ CONFIGURATIONS: dict[str, Configuration] = {
         Configuration(
             name="no_haarag",
             switches=Switches(retrieval="none", prior="default"),
-            says="the fixed defaults of ledger G20 as prior on region, type and force instead of retrieved experience",
+            says="a fixed prior on region, type and force (the middle, a power grasp, 20 N) instead of retrieved experience",
         ),
         Configuration(
             name="vlm_only",
             switches=_BARE,
-            says="perception alone; without a vision-language model the fixed default grasp of ledger G20",
+            says="perception alone; without a vision-language model a fixed default grasp (straight down at the middle, 20 N)",
         ),
         Configuration(name="heuristic", switches=_HEURISTIC, says="size and fragility rules with recovery"),
         Configuration(
@@ -65,7 +65,7 @@ CONFIGURATIONS: dict[str, Configuration] = {
         Configuration(
             name="heuristic_scene_graph",
             switches=_HEURISTIC.model_copy(update={"scene_graph": True, "constraints": True, "clearance": True}),
-            says="heuristic with scene graph and constraints (ledger G26: the number to beat)",
+            says="heuristic with scene graph and constraints: the rival to beat",
         ),
         Configuration(
             name="heuristic_scene_graph_memory",
@@ -110,12 +110,12 @@ CONFIGURATIONS: dict[str, Configuration] = {
         Configuration(
             name="oracle_phi",
             switches=Switches(diagnosis="oracle_phi"),
-            says="failure types told by the evaluator (ledger G41), as the paper does",
+            says="failure types told by the evaluator, as the paper does",
         ),
         Configuration(
             name="levels_as_written",
             switches=Switches(levels="as_written"),
-            says="correction levels as printed (ledger G19: level 3 never runs)",
+            says="correction levels as printed, by which level 3 never runs",
         ),
     )
 }
