@@ -16,6 +16,7 @@ TYPES: tuple[tuple[str, str], ...] = (
     ("agent.goal", "Goal"),
     ("kb.constraint", "Constraints"),
     ("kb.experience", "Retrieval"),
+    ("kb.percept", "PerceivedObject"),
     ("kb.percept", "Percept"),
     ("kb.run_result", "ModelUse"),
     ("kb.scene_graph", "SceneGraph"),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from agent import events
 from agent.agenda import changed, finish, fresh, push, put_back
+from agent.ask_which import ask, choices, one_of, several
 from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
+from agent.grounded import Grounded, say
 from agent.ladder import MAX_RELOOKS
 from agent.language.describe import describe, listing, spoken
 from agent.language.resolve import Resolution, Scope, resolve
@@ -17,14 +17,6 @@ from kb.percept import PerceivedObject, Percept
 
 SAME_PLACE = 0.15
 """An object of the same category within this distance of where the target was is taken to be the target [m]."""
-
-
-@dataclass(frozen=True)
-class Grounded:
-    """The update of the state, and the steps to tell."""
-
-    update: Update
-    steps: tuple[events.BaseStep, ...] = ()
 
 
 def ground_goals(state: State) -> Grounded:
@@ -56,29 +48,29 @@ def _refusal(state: State, percept: Percept) -> Grounded | None:
     meant: PerceivedObject | None = None
     for index, goal in enumerate(state.goals):
         if goal.kind == "clear" and percept.bin is None:
-            return _say(state, "There is no bin here to clear anything into.")
+            return say(state, "There is no bin here to clear anything into.")
         for reference in (goal.reference, goal.placement.reference if goal.placement else None):
             if reference is None or not goal.moves or _later(reference, index):
                 continue
             if reference.pronoun and lets_go_of_nothing(scope.held, goal, None, earlier=index > 0):
-                return _say(state, EMPTY_HAND)
+                return say(state, EMPTY_HAND)
             got = resolve(reference, scope) if not _only_place(reference) else Resolution(ids=("",))
             if not got.ids:
-                return _say(state, got.problem or "I see nothing like that.")
+                return say(state, got.problem or "I see nothing like that.")
             if reference is goal.reference and _too_few(reference, got):
-                return _say(state, f"I see only one: {_choices(got, percept)[0]}.")
+                return say(state, f"I see only one: {choices(got, percept)[0]}.")
             if goal.kind in ("pick", "place") and len(got.ids) > 1:
-                if reference is goal.reference and reference.plural:
+                if reference is goal.reference and (reference.plural or reference.pronoun):
                     if goal.placement is not None and goal.placement.kind == "bin":
-                        return _several(state, index, got, percept)
-                    return _say(state, f"I can hold only one thing at a time. Which one: {_choices(got, percept)[0]}?")
-                return _ask(state, index, reference, got, percept)
+                        return several(state, index, got, percept)
+                    return one_of(state, index, got, percept)
+                return ask(state, index, reference, got, percept)
         if goal.kind in ("pick", "place") and goal.reference is not None:
             if not _later(goal.reference, index):
                 meant = single(goal.reference, scope)
             problem = impossible(goal, meant, scope, earlier=index > 0)
             if problem is not None:
-                return _say(state, problem)
+                return say(state, problem)
     return None
 
 
@@ -98,47 +90,6 @@ def _only_place(reference: Reference) -> bool:
     return reference.noun is None and reference.relation is not None
 
 
-def _say(state: State, text: str) -> Grounded:
-    update = Update(refused=True, answer=text, agenda=(), goals=_failed(state, text))
-    return Grounded(update, (events.Grounding(text=text, goal=state.current),))
-
-
-def _failed(state: State, note: str) -> tuple[Goal, ...]:
-    return tuple(
-        g.model_copy(update={"status": "failed", "note": note}) if g.status == "open" else g for g in state.goals
-    )
-
-
-def _choices(got: Resolution, percept: Percept) -> tuple[str, tuple[str, ...]]:
-    things = [obj for obj in percept.objects if obj.id in got.ids]
-    names = tuple(describe(obj, percept.objects) for obj in things)
-    return (", ".join(names[:-1]) + " or " + names[-1] if len(names) > 1 else names[0] if names else ""), names
-
-
-def _ask(state: State, index: int, reference: Reference, got: Resolution, percept: Percept) -> Grounded:
-    """Asks back which one is meant, and remembers what the question was about."""
-    text, names = _choices(got, percept)
-    question = f"Which one do you mean by {spoken(reference)}: {text}?"
-    update = Update(
-        refused=True, answer=question, question=question, agenda=(), goals=_failed(state, "asked back"),
-        pending=state.goals[index],
-    )  # fmt: skip
-    return Grounded(update, (events.Grounding(text=f"{len(names)} objects fit.", goal=state.current),))
-
-
-def _several(state: State, index: int, got: Resolution, percept: Percept) -> Grounded:
-    """For "put the blocks in the bin": a clear goal for exactly these objects."""
-    goal = state.goals[index]
-    assert goal.reference is not None
-    ids = got.ids[: goal.reference.count] if goal.reference.count else got.ids
-    if goal.reference.count and len(got.ids) < goal.reference.count:
-        return _say(state, f"I see only {len(got.ids)} of them: {_choices(got, percept)[0]}.")
-    clear = Goal(kind="clear", reference=goal.reference.model_copy(update={"ids": ids}), placement=goal.placement)
-    goals = (*state.goals[:index], clear, *state.goals[index + 1 :])
-    names = _choices(Resolution(ids=ids), percept)[0].replace(" or ", " and ")
-    return Grounded(Update(goals=goals), (events.Grounding(text=f"That is {names}.", goal=index),))
-
-
 def _thing(state: State, percept: Percept) -> Grounded:
     """The object of a pick or place goal."""
     goal, scope, held = state.goal, scope_of(state), state.held
@@ -147,7 +98,7 @@ def _thing(state: State, percept: Percept) -> Grounded:
     if not got.clear:
         if not got.ids:
             return _over(state, got.problem or "I do not see it.")
-        return _ask(state, state.agenda[-1], goal.reference, got, percept)
+        return ask(state, state.agenda[-1], goal.reference, got, percept)
     obj = next(o for o in scope.objects if o.id == got.ids[0])
     if held is not None and obj.id != held.object.id:
         return _free_hand(state, held)

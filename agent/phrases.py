@@ -59,8 +59,8 @@ def goal_words(goal: Goal) -> str:
     thing = spoken(goal.reference) if goal.reference else "it"
     if goal.kind == "pick":
         if goal.placement:
-            return f"hand {thing} over" if thing == "it" else f"hand over {thing}"
-        return "pick it up" if thing == "it" else f"pick up {thing}"
+            return f"hand {thing} over" if thing in ("it", "them") else f"hand over {thing}"
+        return f"pick {thing} up" if thing in ("it", "them") else f"pick up {thing}"
     if goal.kind == "place":
         return f"put {thing} {place_words(goal)}"
     if goal.kind == "clear":

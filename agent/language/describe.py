@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from agent.goal import Reference
+from agent.language import lexicon
 from agent.language.single_out import leftness
 from kb.percept import PerceivedObject
 from kb.vocabulary import UNKNOWN_CATEGORY
@@ -18,7 +19,7 @@ _DETERMINERS = frozenset(
 def spoken(reference: Reference) -> str:
     """The reference as one would say it back."""
     if reference.pronoun:
-        return "it"
+        return "them" if reference.words in (*lexicon.ALL_OF, *lexicon.BOTH_OF, "them", "these", "those") else "it"
     words = reference.words or reference.noun or "that"
     first, _, rest = words.partition(" ")
     if first in _INDEFINITE and rest:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from agent.goal import Goal, Reference, Understanding
 from agent.language import lexicon
 from agent.language.ask_back import CANNOT_READ
+from agent.language.describe import spoken
 
 THEM = ("them", "these", "those", "them all", "all of them")
 
@@ -121,12 +122,7 @@ def _sparing(goal: Goal, spared: tuple[Reference, ...]) -> Goal:
 
 
 def _the(reference: Reference) -> str:
-    text = "it" if reference.pronoun else reference.words or reference.noun or "it"
-    return (
-        text
-        if text.split()[0] in ("the", "it", "that", "this", "my", "your", "all", "any", "a", "an")
-        else f"the {text}"
-    )
+    return spoken(reference)
 
 
 def _same(one: Reference, other: Reference) -> bool:

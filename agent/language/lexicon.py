@@ -8,6 +8,10 @@ from __future__ import annotations
 
 from agent.goal import Extreme, Measure, RelationWord, Side
 
+ALL_OF = ("all", "all of them", "them all", "all of it", "all of these", "all of those", "every one of them")
+"""Said of everything there is, where nothing is held."""
+BOTH_OF = ("both", "both of them", "them both", "both of these", "both of those")
+"""Said of the two things that there are."""
 NOUNS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("cup", "teacup", "coffee cup", "tea cup", "ceramic cup", "cuppa"), ("cup",)),
     **dict.fromkeys(("mug", "coffee mug", "tea mug", "beaker"), ("mug",)),

@@ -50,6 +50,15 @@ DISTANCE = re.compile(
     r"(?:cm|mm|m|centimet(?:er|re)s?|millimet(?:er|re)s?|met(?:er|re)s?|inch|inches|feet|foot|hand ?widths?)\b"
 )
 """Moving a thing by a length, or to a length from something."""
+FROM_A_HEIGHT = re.compile(
+    r"^(?:drop|release|let go of|let|throw|toss|lower) .*\bfrom (?:a |the |your )?(?:great |certain |small |full |top )?(?:height|distance|high|far|up|above|way up|there|\d|an? |one |two |ten |half )"
+    r"|^(?:let|make) .+ (?:fall|drop|crash|bounce)\b|^drop .*\b(?:\d+(?:\.\d+)? ?(?:cm|mm|m)\b|from where you are)"
+)
+HIGHER = re.compile(
+    r"^(?:lift|raise|hold|move|take|bring|carry|keep|lower|pick) .*(?:\b(?:higher|lower|further (?:up|down)|higher up|lower down)$"
+    r"|\b(?:by |at |to |up |down )*\d+(?:\.\d+)? ?(?:cm|mm|m|centimet(?:er|re)s?|millimet(?:er|re)s?|met(?:er|re)s?|inch|inches)\b(?: (?:above|over|high|higher|up|from|off|into the air|lower|down)\b.*)?$)"
+)
+"""Lifting or lowering by a length: the arm has one height for what it holds."""
 OFF_TABLE = re.compile(
     r"\b(?:on|onto|off|to|over|from|in|into|under) the (?:floor|ground|ceiling|roof|wall|shelf|kitchen|fridge|garden|chair|sofa|cupboard|drawer|cabinet|sink|oven|rack|stove|bed|couch|bookshelf|street|room)\b"
 )
@@ -80,6 +89,13 @@ def refuse(line: str) -> str | None:
         return "I cannot wait for a condition or a time: ask me whether it is so, and then tell me what to do."
     if BOTH_SIDES.search(line):
         return "That contradicts itself: a thing cannot be on both sides at once."
+    if FROM_A_HEIGHT.search(line):
+        return (
+            'I do not let things fall: I set them down gently. Say "put it back", "put it down", "put it on the left" or, '
+            'where there is a bin, "put it in the bin".'
+        )
+    if HIGHER.search(line):
+        return "I lift a thing to one height, about 17 cm, and hold it there. I can put it down, put it back or hand it over."
     if DISTANCE.search(line):
         return "I cannot move a thing by a length. I can put it on the left, on the right, at the front or back, or next to something."
     if THROWN.match(line):

@@ -59,7 +59,7 @@ def resolve(reference: Reference, scope: Scope) -> Resolution:
         present = tuple(i for i in reference.ids if any(o.id == i for o in scope.objects))
         return Resolution(ids=present, problem=None if present else f"I no longer see {spoken(reference)}.")
     if reference.pronoun and not reference.noun:
-        return _pronoun(scope)
+        return _all_of(reference, scope) or _pronoun(scope)
     if not scope.objects:
         return Resolution(problem="I see nothing on the table.")
     found, note = _by_noun(reference, scope)
@@ -81,6 +81,16 @@ def resolve(reference: Reference, scope: Scope) -> Resolution:
     if len(found) > 1 and reference.anyone:
         found = [min(found, key=lambda o: (math.hypot(o.position[0], o.position[1]), o.id))]
     return Resolution(ids=tuple(o.id for o in found), note=note)
+
+
+def _all_of(reference: Reference, scope: Scope) -> Resolution | None:
+    """For "all of them", "both": everything seen and what is held; None where no such words were said."""
+    both = reference.words in lexicon.BOTH_OF
+    if not (both or reference.words in lexicon.ALL_OF) or len(scope.objects) < 2:
+        return None
+    if both and len(scope.objects) > 2:
+        return Resolution(problem=f"I see more than two things: {listing(scope.objects)}. Please name the two.")
+    return Resolution(ids=tuple(o.id for o in scope.objects))
 
 
 def _pronoun(scope: Scope) -> Resolution:
