@@ -34,6 +34,8 @@ GRASP_HIGH = np.array([0.85, 0.40, 0.30, math.pi / 2, math.pi, math.pi / 2, MAX_
 tilt [rad], azimuth of the closing axis [rad], opening [m] and force [N]; the action's -1 and 1."""
 PLACE_LOW, PLACE_HIGH = np.array([0.25, -0.40, 0.0]), np.array([0.85, 0.65, 0.40])
 """Bounds of the place where what is held is put [m]; the bin stands at y = 0.55."""
+FAR = 10.0
+"""No camera is farther than that from the robot's base [m]; nor does its depth reach farther."""
 
 Array = NDArray[np.float64]
 Observation = dict[str, NDArray[Any]]
@@ -65,8 +67,8 @@ class GraspEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         views: dict[str, spaces.Space[Any]] = {}
         for name in ("front", "top"):
             views[f"{name}_rgb"] = spaces.Box(0, 255, (*shape, 3), np.uint8)
-            views[f"{name}_depth"] = spaces.Box(0.0, 10.0, shape, np.float32)
-            views[f"{name}_pose"] = spaces.Box(-np.inf, np.inf, (4, 4), np.float64)
+            views[f"{name}_depth"] = spaces.Box(0.0, FAR, shape, np.float32)
+            views[f"{name}_pose"] = spaces.Box(-FAR, FAR, (4, 4), np.float64)
         views["joints"] = spaces.Box(-np.pi, np.pi, (7,), np.float64)
         views["opening"] = spaces.Box(0.0, 0.1, (1,), np.float64)
         self.observation_space = spaces.Dict(views)

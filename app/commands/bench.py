@@ -44,7 +44,15 @@ def bench(
             rich_help_panel=PLAN,
         ),
     ] = "1",
-    seed: flags.Seed = None,
+    seed: Annotated[
+        Whole,
+        typer.Option(
+            "--seed",
+            metavar="N",
+            help="First seed; everything random follows from it (default: 20000, the evaluation's).",
+            rich_help_panel=flags.WORLD,
+        ),
+    ] = None,
     brain: flags.Brain = None,
     base_url: flags.BaseUrl = None,
     record_brain: flags.RecordBrain = None,

@@ -25,14 +25,26 @@ def test_every_task_has_an_environment() -> None:
     assert environment_name("cup_near_vase") == "AgenticRagVlm/CupNearVase-v0"
 
 
-def test_environment_follows_the_interface() -> None:
-    """Gymnasium's own checker finds nothing wrong: spaces, determinism by seed, types of what is returned."""
+def _checked(scene: str) -> None:
+    """Gymnasium's own checker, whose every word counts as a fault."""
     from gymnasium.utils.env_checker import check_env
 
-    env = gymnasium.make("AgenticRagVlm/CupNearVase-v0", render_mode="rgb_array", evaluator="analytic").unwrapped
+    env = gymnasium.make(environment_name(scene), render_mode="rgb_array", evaluator="analytic").unwrapped
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("error")
         check_env(env, skip_render_check=True)
+
+
+def test_environment_follows_the_interface() -> None:
+    """Gymnasium's own checker finds nothing to say: spaces, determinism by seed, types of what is returned."""
+    _checked("cup_near_vase")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("scene", [scene for group in GROUPS.values() for scene in group])
+def test_every_environment_follows_the_interface(scene: str) -> None:
+    """The same for each of the sixteen tasks."""
+    _checked(scene)
 
 
 def test_a_grasp_that_lifts_is_a_success() -> None:

@@ -182,6 +182,23 @@ def test_jobs_hold_each_row_once() -> None:
     assert {item.seed for item in jobs(plan) if item.repetition == 1 and item.trial == 1} == {21_001}
 
 
+def test_a_trial_needs_no_heavy_library() -> None:
+    """What a worker does, in physics and from pixels, imports neither scipy nor matplotlib nor torch."""
+    code = (
+        "import sys\n"
+        "from bench.run_job import run_job\n"
+        "from tests.bench_fixtures import job\n"
+        "rows = list(run_job(job(0, 'single_cube', Settings(seed=10_000), 'full')))\n"
+        "print(rows[0].evaluator, rows[0].perception, rows[0].harness_error)\n"
+        "print(*sorted({'scipy', 'matplotlib', 'torch', 'trimesh', 'chromadb'} & set(sys.modules)))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", f"from bench.job import Settings\n{code}"], cwd=ROOT, capture_output=True, text=True,
+        check=True, env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert done.stdout.splitlines() == ["mujoco rgbd None", ""]
+
+
 def test_processes_give_the_rows_of_one_process() -> None:
     """Two workers and this process give the same rows."""
     work = [job(trial, "single_cube", ANALYTIC, "full", "heuristic") for trial in range(2)]
