@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gc
 import io
+import logging
 import resource
 import statistics
 import sys
@@ -24,7 +25,9 @@ from agent.brains.hf_chat import HfChat, Pace
 from agent.brains.hf_model import MEND, NEEDED, Cache, HfCfg, Weights, load
 from agent.brains.model import system_prompt
 from agent.brains.replies import ThinkReply
-from kb.errors import EnvironmentFaultError, RagVlmError
+from kb.errors import EnvironmentFaultError
+
+log = logging.getLogger(__name__)
 
 PAPER_RATIO = 1.78
 """INT4 against FP16 in the paper (Sec. V; ledger A8): speed-up of its planner."""
@@ -99,7 +102,11 @@ def measure_brain(
 
 
 def _measured(config: HfCfg, tokens: int, repetitions: int) -> BrainSpeed:
-    """One combination; what this device cannot do is a row with its reason."""
+    """One combination; what this device cannot do is a row with its reason.
+
+    PyTorch and the packages of quantised caches say so with errors of these three kinds, and the brain with its own. Any
+    other error is a fault of this program and ends the measurement.
+    """
     _forget()
     try:
         model, processor = load(config)
@@ -108,10 +115,10 @@ def _measured(config: HfCfg, tokens: int, repetitions: int) -> BrainSpeed:
         kept = _paces(chat, tokens, repetitions)
         forgetful = HfChat(f"hf:{config.folder}", model, processor, cache=config.cache, prefix="off")
         anew = _paces(forgetful, 1, repetitions)
-    except EnvironmentFaultError:
-        raise
-    except (BrainFaultError, RagVlmError, RuntimeError, NotImplementedError, ImportError, ValueError) as error:
-        return BrainSpeed(config.weights, config.cache, fault=" ".join(str(error).split())[:160])
+    except (BrainFaultError, RuntimeError, ImportError, ValueError) as error:
+        log.info("%s weights, %s cache", config.weights, config.cache, exc_info=error)
+        said = " ".join(str(error).split())[:160]
+        return BrainSpeed(config.weights, config.cache, fault=f"{type(error).__name__}: {said}")
     return BrainSpeed(
         config.weights,
         config.cache,
