@@ -115,6 +115,10 @@ class Trial:
     """The robot moved at all."""
     damage_limit_n: Mapping[str, float] = field(default_factory=dict)
     """Force from which each object counts as damaged [N]."""
+    fallback: bool | None = None
+    """Too few experiences fitted by category, so that all were admitted (ledger G14b); None: nothing was retrieved."""
+    s_aff: float | None = None
+    """Affordance score of the best retrieved success; None where there was none."""
 
     @property
     def key(self) -> Key:
@@ -174,6 +178,8 @@ def digest(row: Mapping[str, Any]) -> Trial:
         strict=None if row.get("strict") is None else bool(row["strict"]) and not error,
         executed=bool(row.get("executed", True)),
         damage_limit_n=dict(row.get("damage_limit_n") or {}),
+        fallback=(row.get("funnel") or {}).get("fallback"),
+        s_aff=next((float(item["s_aff"]) for item in row.get("experiences") or () if item.get("success")), None),
     )
 
 
