@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bench.report import svg
+from bench.report.learning import growth_chart
 from bench.statistics import wilson
 from kb.learned import LearnedBase
 
@@ -99,7 +99,7 @@ def write_report(asked: Asked, learner: Sequence[Taken], shipped: Sequence[Taken
         "errors": [row.error for row in (*learner, *shipped) if row.error],
     }
     (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
-    (out / "growth.svg").write_text(growth_chart(growth(learner), growth(shipped)))
+    (out / "growth.svg").write_text(growth_chart(summary))
     text = _text(summary)
     (out / "report.md").write_text(text)
     return text
@@ -123,43 +123,9 @@ def _text(summary: dict[str, Any]) -> str:
     )
     counted = sum(row["counted"] for row in summary["promotions"])
     lines.append(f"- lifts behind promotions: {counted}, false {sum(row['false'] for row in summary['promotions'])}")
+    lines += ["", "![Success and attempts against trials seen](growth.svg)"]
     lines += ["", "| trials | success | attempts | entries | success, shipped |", "|---:|---:|---:|---:|---:|"]
     for mine, other in zip(summary["learner"]["growth"], summary["shipped"]["growth"], strict=False):
         words = (f"{mine['trials']}", f"{100 * mine['success']:.0f} %", f"{mine['attempts']:.2f}", f"{mine['entries']}")
         lines.append(f"| {' | '.join(words)} | {100 * other['success']:.0f} % |")
     return "\n".join(lines) + "\n"
-
-
-def growth_chart(learner: Sequence[dict[str, float]], shipped: Sequence[dict[str, float]]) -> str:
-    """Success of both arms against trials seen, as SVG."""
-    left, top, width, height = 60.0, 30.0, 520.0, 220.0
-    most = max((point["trials"] for point in learner), default=1)
-    items = [
-        svg.legend(
-            left,
-            10.0,
-            [("#2b6cb0", "learner, success"), ("#888888", "shipped, success"), ("#c05621", "learner, 1 / attempts")],
-        )
-    ]
-    for tick in (0, 25, 50, 75, 100):
-        y = top + height * (1 - tick / 100)
-        items += [svg.line(left, y, left + width, y, stroke="#dddddd"), svg.text(left - 8, y, str(tick), anchor="end")]
-    series = [
-        ([(p["trials"], p["success"]) for p in learner], "#2b6cb0"),
-        ([(p["trials"], p["success"]) for p in shipped], "#888888"),
-        ([(p["trials"], 1 / max(1.0, p["attempts"])) for p in learner], "#c05621"),
-    ]
-    for points, colour in series:
-        spots = [(left + width * x / most, top + height * (1 - y)) for x, y in points]
-        if spots:
-            items.append(
-                svg.path("M" + " L".join(f"{svg.num(x)},{svg.num(y)}" for x, y in spots), stroke=colour, width=2)
-            )
-            items += [svg.dot(x, y, 3, colour) for x, y in spots]
-    for point in learner:
-        items.append(
-            svg.text(
-                left + width * point["trials"] / most, top + height + 14, f"{point['trials']:.0f}", anchor="middle"
-            )
-        )
-    return svg.figure(left + width + 20, top + height + 30, items, "Success against trials seen")

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from bench.report.learning import read_learning
 from bench.report.results import Results
 from bench.report.results_page import results_page
 from bench.report.write_report import Extras, read_retrieval, write_report
@@ -20,6 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, nargs="+", help="folder with trials.jsonl; several are put together")
     parser.add_argument("--analytic", type=Path, help="folder of the same trials with --evaluator analytic")
     parser.add_argument("--retrieval", type=Path, help="file of `ragvlm kb eval --json`")
+    parser.add_argument("--learning", type=Path, help="folder of `python -m bench.learn_study`")
     parser.add_argument("--out", type=Path, help="where to write (default: the first folder)")
     parser.add_argument(
         "--results", type=Path, help="also write this page (docs/results.md) with its figures beside it"
@@ -31,11 +33,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise BadInputError("trials of different evaluators cannot stand in one table; use --analytic")
         analytic = read_trials(given.analytic / "trials.jsonl") if given.analytic else ()
         retrieval = read_retrieval(given.retrieval) if given.retrieval else None
-        files = write_report(trials, given.out or given.folder[0], Extras(analytic=analytic, retrieval=retrieval))
+        study = read_learning(given.learning) if given.learning else None
+        extras = Extras(analytic=analytic, retrieval=retrieval, learning=study)
+        files = write_report(trials, given.out or given.folder[0], extras)
         if given.results:
             files = results_page(
                 Results(trials), given.folder, given.results, analytic=analytic, analytic_folder=given.analytic,
-                retrieval=retrieval,
+                retrieval=retrieval, learning=study,
             )  # fmt: skip
     except (BadInputError, OSError, ValueError) as error:
         parser.error(str(error))

@@ -14,6 +14,8 @@ from bench.report import contrasts, noise, paper, predictions, recovery, safety,
 from bench.report.chart_parts import ladder_chart
 from bench.report.chart_success import noise_chart, success_chart
 from bench.report.findings import findings, silent
+from bench.report.learning import growth_chart
+from bench.report.learning import tables as learning_tables
 from bench.report.recovery import subgoals
 from bench.report.results import CATEGORIES, Results, solved
 from bench.report.table import Table
@@ -97,6 +99,7 @@ def target_table(found: Sequence[Target]) -> Table:
 def results_page(
     results: Results, folders: Sequence[Path], page: Path, *, analytic: Sequence[Trial] = (),
     analytic_folder: Path | None = None, retrieval: Mapping[str, Any] | None = None,
+    learning: Mapping[str, Any] | None = None,
 ) -> list[Path]:  # fmt: skip
     """Writes the page, and its figures as SVG into the folder `images` beside it.
 
@@ -107,6 +110,7 @@ def results_page(
         analytic: Trials of the analytic evaluator.
         analytic_folder: Where those are from.
         retrieval: Content of the file of `ragvlm kb eval --json`.
+        learning: Content of the file summary.json of `python -m bench.learn_study`.
 
     Returns:
         The files written.
@@ -143,6 +147,10 @@ def results_page(
             files.append(_figure(page.parent / "images" / f"{name}.svg", drawn))
             lines += [f"![{caption}](images/{name}.svg)", ""]
     lines += [table.markdown() for table in _tables(results, aims, analytic, retrieval) if table.rows]
+    if learning is not None:
+        files.append(_figure(page.parent / "images" / "results_growth.svg", growth_chart(learning)))
+        lines += ["![Success and attempts against trials seen](images/results_growth.svg)", ""]
+        lines += [table.markdown() for table in learning_tables(learning)]
     page.parent.mkdir(parents=True, exist_ok=True)
     page.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
     return files

@@ -1,6 +1,6 @@
 """Writes the report of a run: report.html, tables.md, tables.tex, csv/*.csv.
 
-    python -m bench.report DIR [DIR ...] [--analytic DIR] [--retrieval FILE] [--out DIR]
+    python -m bench.report DIR [DIR ...] [--analytic DIR] [--retrieval FILE] [--learning DIR] [--out DIR]
 
 The same trials give the same bytes: the report holds no date of its own and every resample is seeded.
 """
@@ -15,7 +15,7 @@ from typing import Any
 
 from bench import agreement
 from bench.cells import cells
-from bench.report import contrasts, diagnosis, noise, paper, predictions, recovery, safety, success, times
+from bench.report import contrasts, diagnosis, learning, noise, paper, predictions, recovery, safety, success, times
 from bench.report.chart_parts import failure_chart, flow_chart, ladder_chart, time_chart
 from bench.report.chart_success import contrast_chart, noise_chart, success_chart
 from bench.report.findings import Finding, cards, findings
@@ -42,6 +42,8 @@ class Extras:
     """The same trials under the analytic evaluator."""
     retrieval: Mapping[str, Any] | None = None
     """Content of the file of `ragvlm kb eval --json`."""
+    learning: Mapping[str, Any] | None = None
+    """Content of the file summary.json of `python -m bench.learn_study`."""
 
 
 def write_report(trials: Sequence[Trial], folder: Path, extras: Extras | None = None) -> list[Path]:
@@ -109,6 +111,10 @@ def subtitle(results: Results) -> str:
 def chapters(results: Results, extras: Extras) -> list[Section]:
     """The chapters of the report, in order."""
     agreed = [agreement.table(results.all, extras.analytic)] if extras.analytic else []
+    study = extras.learning
+    grown = (
+        [(learning.growth_chart(study), "Each dot is a block of trials, in the order they were seen.")] if study else []
+    )
     return [
         Section("success", "Success", "", [(success_chart(results), "Dots: success; lines: 95 % Wilson intervals.")],
                 success.tables(results)),
@@ -124,6 +130,7 @@ def chapters(results: Results, extras: Extras) -> list[Section]:
                 [(failure_chart(results), "Failed attempts by the observer's label.")], diagnosis.tables(results)),
         Section("noise", "Noise", "", [(noise_chart(results), "Bands: 95 % Wilson intervals.")], noise.tables(results)),
         Section("time", "Time", "", [(time_chart(results), "Mean wall time per trial by part.")], times.tables(results)),
+        Section("learning", "Learning", "", grown, learning.tables(study) if study else []),
         Section("agreement", "Two evaluators", "", [], agreed),
         Section("paper", "Beside the paper", "", [], paper.tables(results, extras.retrieval)),
     ]  # fmt: skip
