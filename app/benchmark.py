@@ -100,7 +100,6 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
     Raises:
         BadInputError: unknown names, or numbers out of range.
     """
-    from agent.configuration import names_of
     from bench.job import MAX_NOISE, MAX_TRIALS, BenchPlan, Settings
     from bench.suite import CLUTTER_SCENES, tasks_of
 
@@ -121,12 +120,24 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
             embedder=options.embedder, kb_url=options.kb_url,
         ),
         tasks=tasks_of(request.suite, None if request.tasks is None else _names(request.tasks, "--tasks")),
-        configurations=names_of(_names(request.configurations or "full", "--configs")),
+        configurations=_configurations(request.configurations),
         trials=trials,
         repetitions=request.repetitions,
         noises=tuple(dict.fromkeys(noises)),
         measure_all=request.profile,
     )  # fmt: skip
+
+
+def _configurations(text: str | None) -> tuple[str, ...]:
+    """The configurations that were asked for; the words for several are choices, too."""
+    from agent.configuration import CONFIGURATIONS, names_of
+
+    words = _names(text or "full", "--configs")
+    for word in words:
+        if word not in (*CONFIGURATIONS, "paper", "all"):
+            choices = (*CONFIGURATIONS, "paper", "all")
+            raise BadInputError(f'unknown configuration "{word}"', where="--configs", choices=choices)
+    return names_of(words)
 
 
 def _names(text: str, where: str) -> list[str]:

@@ -36,7 +36,9 @@ def write_outputs(folder: Path, extras: Extras | None = None) -> Summary:
         workers=int(sittings[-1]["workers"]) if sittings else 1,
     )
     write_summary(summary, folder)
-    write_report(trials, folder, replace(extras, facts={**_facts(sittings, summary), **extras.facts}))
+    write_report(
+        trials, folder, replace(extras, facts={**_facts(sittings, summary), **extras.facts}, folders=(folder,))
+    )
     return summary
 
 
@@ -51,6 +53,8 @@ def _facts(sittings: list[dict[str, Any]], summary: Summary) -> dict[str, str]:
     if not sittings:
         return {}
     known = {"wall time": f"{summary.wall_s / 60:.1f} min on {summary.workers} workers"}
+    if sittings[-1].get("commit"):
+        known["commit"] = str(sittings[-1]["commit"])[:8]
     if sittings[-1].get("command"):
         known["command"] = str(sittings[-1]["command"])
     if sittings[-1].get("finished"):

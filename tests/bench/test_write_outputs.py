@@ -24,13 +24,16 @@ def filled(folder: Path, rows: list[dict[str, object]], sessions: list[dict[str,
 
 def test_summary_and_report_of_a_folder(tmp_path: Path) -> None:
     """The wall time of all sittings is added up; command and workers are those of the last; all files are there."""
-    sittings = [{"command": "ragvlm bench", "workers": 1, "wall_s": 10.0}, {"command": "ragvlm bench --resume",
+    sittings = [{"command": "ragvlm bench", "workers": 1, "wall_s": 10.0, "commit": "0123abcdef+", "rows": 9}, {"command": "ragvlm bench --resume",
                 "workers": 2, "wall_s": 5.5, "finished": "2026-01-01T00:00:00Z"}]  # fmt: skip
     filled(tmp_path, drawn_rows({"full": 0.9}, trials=2), sittings)
     summary = write_outputs(tmp_path)
     assert (summary.wall_s, summary.workers, summary.trials) == (15.5, 2, 24)
     assert json.loads((tmp_path / "summary.json").read_text())["trials"] == 24
     assert "- command: ragvlm bench --resume" in (tmp_path / "tables.md").read_text()
+    said = (tmp_path / "csv" / "runs.csv").read_text().splitlines()[1:]
+    assert said == ["ragvlm bench,0123abcd with uncommitted changes,None,0.166667,1,9",
+                    "ragvlm bench --resume,unknown,2026-01-01T00:00:00Z,0.091667,2,0"]  # fmt: skip
     assert {"report.html", "tables.tex", "csv"} <= {path.name for path in tmp_path.iterdir()}
 
 
