@@ -95,13 +95,19 @@ def run_result(
 
 def rounded(value: Any) -> Any:
     """The value with every float rounded to `DIGITS` decimals."""
+    if type(value) in SAID_AS_IT_IS:
+        return value
     if isinstance(value, float):
         return round(value, DIGITS) + 0.0
     if isinstance(value, dict):
-        return {key: rounded(item) for key, item in value.items()}
+        return {key: item if type(item) in SAID_AS_IT_IS else rounded(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return type(value)(rounded(item) for item in value)
+        return type(value)([item if type(item) in SAID_AS_IT_IS else rounded(item) for item in value])
     return value
+
+
+SAID_AS_IT_IS = frozenset({str, bool, int, type(None)})
+"""Types of values that hold nothing to be rounded."""
 
 
 def _goal(state: State, index: int, observer: Judge | None) -> GoalRecord:

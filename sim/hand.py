@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,37 +69,55 @@ def approach_time(distance: float, speed: float) -> float:
     return max(0.25, 15.0 / 8.0 * distance / (FULL_SPEED * speed))
 
 
-_BESIDE = np.array([0.0 for _ in PALM_BOXES] + [centre[1] for centre, _ in FINGER_BOXES])[:, None]
+_ALL = [((0.0, 0.0, c[2]), half) for c, half in PALM_BOXES]
+_ALL += [((0.0, c[1], c[2] + FINGER_OFFSET), half) for c, half in FINGER_BOXES]
+_MIDDLES, _HALVES = (np.array([box[k] for box in _ALL]).T[:, :, None] for k in (0, 1))
 _OPENS = np.array([0.0 for _ in PALM_BOXES] + [0.5 for _ in FINGER_BOXES])[:, None]
-_ALONG = np.array([c[2] for c, _ in PALM_BOXES] + [c[2] + FINGER_OFFSET for c, _ in FINGER_BOXES])[:, None]
-_HALF_X, _HALF_Y, _HALF_Z = np.array([half for _, half in (*PALM_BOXES, *FINGER_BOXES)]).T[:, :, None]
-"""The boxes in the quadrant of |x|, |y|, one a row (5, 1) [m]."""
+"""The boxes in the quadrant of |x|, |y|: middles and half sizes, by axis and box (3, 5, 1) [m]."""
 
 
-def _distances(x: Array, y: Array, z: Array, aperture: float, standoff: float) -> Array:
+@lru_cache(maxsize=256)
+def _stretched(aperture: float, standoff: float) -> tuple[Array, Array]:
+    """Middles from the tool point and half sizes (3, 5, 1) [m] of the open hand's boxes, stretched back by `standoff`."""
+    middles, halves = _MIDDLES.copy(), _HALVES.copy()
+    middles[1] += _OPENS * aperture
+    middles[2] = middles[2] - TCP_OFFSET - standoff / 2.0
+    halves[2] += standoff / 2.0
+    return middles, halves
+
+
+def _distances(folded: Array, aperture: float, standoff: float) -> Array:
     """Signed distance of points to the hand stretched back along its approach by `standoff`, shape (..., N).
 
-    Coordinates, (..., N) each, are in the hand's axes about the tool point. The hand is its own mirror image in x and y,
-    so five boxes in the quadrant of |x|, |y| stand for all eight.
+    Coordinates |x|, |y|, z, (3, ..., N), are in the hand's axes about the tool point. The hand is its own mirror image in
+    x and y, so five boxes in the quadrant of |x|, |y| stand for all eight.
     """
-    dx = np.abs(x)[..., None, :] - _HALF_X
-    dy = np.abs(np.abs(y)[..., None, :] - (_BESIDE + _OPENS * aperture)) - _HALF_Y
-    dz = np.abs(z[..., None, :] - (_ALONG - TCP_OFFSET - standoff / 2.0)) - (_HALF_Z + standoff / 2.0)
-    return _nearest(dx, dy, dz)
+    middles, halves = _stretched(aperture, standoff)
+    if folded.ndim > 2:
+        middles, halves = middles[:, None], halves[:, None]
+    outside = folded[..., None, :] - middles
+    np.abs(outside, out=outside)
+    outside -= halves
+    return _nearest(outside)
 
 
-def _nearest(dx: Array, dy: Array, dz: Array) -> Array:
-    """Smallest signed distance (..., N) [m] to boxes from how far points are outside of them by side, (..., B, N) each."""
-    out_x, out_y, out_z = np.maximum(dx, 0.0), np.maximum(dy, 0.0), np.maximum(dz, 0.0)
-    out_x *= out_x
-    out_y *= out_y
-    out_z *= out_z
-    out_x += out_y
-    out_x += out_z
-    out = np.sqrt(np.minimum.reduce(out_x, axis=-2))
+def _nearest(outside: Array) -> Array:
+    """Smallest signed distance (..., N) [m] to boxes from how far points are outside of them by axis, (3, ..., B, N)."""
+    squared = np.maximum(outside, 0.0)
+    squared *= squared
+    total = squared[0] + squared[1]
+    total += squared[2]
+    out = np.sqrt(np.minimum.reduce(total, axis=-2))
     if out.size and not np.minimum.reduce(out, axis=None):
         # Only what is in a box, or on its face, has a depth.
-        out += np.minimum(np.maximum(np.maximum(dx, dy), dz).min(axis=-2), 0.0)
+        out += np.minimum(np.minimum.reduce(np.maximum.reduce(outside, axis=0), axis=-2), 0.0)
+    return out
+
+
+def _folded(points: Array) -> Array:
+    """Coordinates (3, ...) with x and y without their signs."""
+    out = np.abs(points)
+    out[2] = points[2]
     return out
 
 
@@ -111,22 +128,37 @@ def _boxed(centres_halves: Sequence[tuple[tuple[float, float, float], tuple[floa
 
 
 _PALM, _FINGER = _boxed(PALM_BOXES), _boxed(FINGER_BOXES)
-_AROUND_X = np.array([[_PALM[1, 0]], [_FINGER[1, 0]]])
-_AROUND_Y = np.array([[[_PALM[0, 1]], [_FINGER[0, 1]]], [[_PALM[1, 1]], [_FINGER[1, 1]]]])
-_AROUND_Z = np.array(
-    [[[_PALM[0, 2]], [_FINGER[0, 2] + FINGER_OFFSET]], [[_PALM[1, 2]], [_FINGER[1, 2] + FINGER_OFFSET]]]
+_AROUND_LOW = np.array([[-np.inf, -np.inf], [_PALM[0, 1], _FINGER[0, 1]], [_PALM[0, 2], _FINGER[0, 2] + FINGER_OFFSET]])
+_AROUND_HIGH = np.array(
+    [
+        [_PALM[1, 0], _FINGER[1, 0]],
+        [_PALM[1, 1], _FINGER[1, 1]],
+        [_PALM[1, 2], _FINGER[1, 2] + FINGER_OFFSET],
+    ]
 )
-_AROUND_OPENS = np.array([[0.0], [0.5]])
-"""Boxes around the palm and around a finger: half size in x, and least and greatest y and z [m], one a row."""
+_AROUND_OPENS = np.array([0.0, 0.5])
+"""Boxes around the palm and around a finger: least and greatest |x|, |y| and z [m], one a column."""
+
+
+@lru_cache(maxsize=256)
+def _around(aperture: float, standoff: float) -> tuple[Array, Array]:
+    """Lower and upper corners (3, 2, 1) [m] about the tool point of boxes around palm and finger."""
+    low, high = _AROUND_LOW.copy(), _AROUND_HIGH.copy()
+    for corners in (low, high):
+        corners[1] += _AROUND_OPENS * aperture
+        corners[2] -= TCP_OFFSET
+    low[2] -= standoff
+    return low[:, :, None], high[:, :, None]
 
 
 @dataclass(frozen=True)
 class _Sweep:
     """Points in the axes of a hand about its tool point, and how that hand moves."""
 
-    x: Array
-    y: Array
-    z: Array
+    points: Array
+    """Coordinates across, closing and along the approach (3, N) [m]."""
+    folded: Array
+    """The same with x and y without their signs."""
     aperture: float
     standoff: float
     lift: float
@@ -138,38 +170,44 @@ class _Sweep:
     def of(cls, grasp: Grasp, offset_w: Array, lift: float) -> _Sweep:
         """The sweep of a grasp against points that lie at `offset_w` (N, 3) [m] from its tool point."""
         rotation = grasp.rotation()
-        x, y, z = np.ascontiguousarray((offset_w @ rotation).T)
+        points = np.ascontiguousarray((offset_w @ rotation).T)
         up = rotation[2]
         if up[2] < -VERTICAL:
             # The lift goes back along the approach: one stretched hand covers both.
-            return cls(x, y, z, grasp.aperture, max(grasp.standoff, lift), 0.0, up)
-        return cls(x, y, z, grasp.aperture, grasp.standoff, max(0.0, lift), up)
+            return cls(points, _folded(points), grasp.aperture, max(grasp.standoff, lift), 0.0, up)
+        return cls(points, _folded(points), grasp.aperture, grasp.standoff, max(0.0, lift), up)
 
-    def distances(self, which: NDArray[Any] | slice = slice(None)) -> Array:
-        """Signed distances [m] of the points chosen by index or mask."""
-        x, y, z = self.x[which], self.y[which], self.z[which]
-        best = _distances(x, y, z, self.aperture, self.standoff)
-        if self.lift > 0.0 and len(x):
+    def distances(self, which: NDArray[np.intp] | None = None) -> Array:
+        """Signed distances [m] of the points chosen by index, or of all."""
+        folded = self.folded if which is None else self.folded.take(which, axis=1)
+        best = _distances(folded, self.aperture, self.standoff)
+        if self.lift > 0.0 and len(best):
             # Raising the hand by h is lowering the points by h.
-            heights = _heights(self.lift)
-            up = self.up
-            raised = _distances(x - heights * up[0], y - heights * up[1], z - heights * up[2], self.aperture, 0.0)
-            np.minimum(best, raised.min(axis=0), out=best)
+            points = self.points if which is None else self.points.take(which, axis=1)
+            raised = points[:, None] - _heights(self.lift) * self.up[:, None, None]
+            np.minimum(best, _distances(_folded(raised), self.aperture, 0.0).min(axis=0), out=best)
         return best
 
     def bounds(self) -> Array:
         """Lower bounds of the distances [m], shape (N,): the distances to the boxes around palm and fingers."""
-        y_low, y_high = _AROUND_Y + _AROUND_OPENS * self.aperture
-        z_low, z_high = _AROUND_Z - TCP_OFFSET
-        x, y, z = np.abs(self.x), np.abs(self.y), self.z
-        dy = np.maximum(y_low - y, y - y_high)
-        out = _nearest(x - _AROUND_X, dy, np.maximum(z_low - self.standoff - z, z - z_high))
+        low, high = _around(self.aperture, self.standoff)
+        folded = self.folded[:, None]
+        outside = np.maximum(low - folded, folded - high)
+        out = _nearest(outside)
         if self.lift > 0.0:
             by_x, by_y, by_z = (self.lift * value for value in self.up.tolist())
-            dx = np.maximum(min(0.0, by_x) - self.x, self.x - max(0.0, by_x)) - _AROUND_X
-            dz = np.maximum(z_low + min(0.0, by_z) - z, z - (z_high + max(0.0, by_z)))
-            np.minimum(out, _nearest(dx, dy - abs(by_y), dz), out=out)
+            x, _, z = self.points
+            low, high = _around(self.aperture, 0.0)
+            outside[0] = np.maximum(min(0.0, by_x) - x, x - max(0.0, by_x)) - high[0]
+            outside[1] -= abs(by_y)
+            outside[2] = np.maximum(low[2] + min(0.0, by_z) - z, z - (high[2] + max(0.0, by_z)))
+            np.minimum(out, _nearest(outside), out=out)
         return out
+
+    def count(self, limit: float) -> int:
+        """How many points come nearer than `limit` [m]."""
+        near = np.flatnonzero(self.bounds() < limit + ROUNDING)
+        return int(np.count_nonzero(self.distances(near) < limit)) if len(near) else 0
 
 
 @lru_cache(maxsize=64)
@@ -185,18 +223,19 @@ def _least(sweep: _Sweep) -> float:
 
     The points with the smallest bounds give a distance; only points whose bound is below it can be nearer.
     """
-    if len(sweep.x) <= FEW:
-        return float(sweep.distances().min())
+    if sweep.points.shape[1] <= (FEW if sweep.lift > 0.0 else MANY):
+        return float(np.minimum.reduce(sweep.distances()))
     bounds = sweep.bounds()
     first = np.argpartition(bounds, FEW // 2)[: FEW // 2]
     least = float(np.minimum.reduce(sweep.distances(first)))
-    rest = bounds < least + ROUNDING
-    rest[first] = False
-    return min(least, float(sweep.distances(rest).min())) if rest.any() else least
+    near = bounds < least + ROUNDING
+    near[first] = False
+    rest = np.flatnonzero(near)
+    return min(least, float(np.minimum.reduce(sweep.distances(rest)))) if len(rest) else least
 
 
-FEW = 24
-"""Up to so many points are measured at once."""
+FEW, MANY = 24, 120
+"""Up to so many points are measured at once, with a lift and without."""
 ROUNDING = 1e-9
 """Far more than distances and bounds are off by rounding [m]."""
 
@@ -250,7 +289,7 @@ class Passing:
         """Points (N, 3) [m], N > 0, as they lie about the grasp's tool point."""
         self._grasp = grasp
         offset = points_w - np.asarray(grasp.position)
-        self._farthest = math.sqrt(float(np.einsum("ij,ij->i", offset, offset).max()))
+        self._farthest = math.sqrt(float(np.maximum.reduce(np.einsum("ij,ij->i", offset, offset))))
         self._sweep = _Sweep.of(grasp, offset, 0.0)
 
     def clearance(self, aperture: float, lift: float) -> float:
@@ -258,7 +297,7 @@ class Passing:
         grasp, seen = self._grasp, self._sweep
         straight = seen.up[2] < -VERTICAL
         standoff = max(grasp.standoff, lift) if straight else grasp.standoff
-        sweep = _Sweep(seen.x, seen.y, seen.z, aperture, standoff, 0.0 if straight else max(0.0, lift), seen.up)
+        sweep = _Sweep(seen.points, seen.folded, aperture, standoff, 0.0 if straight else max(0.0, lift), seen.up)
         least = _least(sweep)
         all_near = self._farthest < HAND_RADIUS + max(grasp.standoff, lift) + CULL_MARGIN
         return least if all_near else min(least, CULL_MARGIN)
@@ -266,8 +305,8 @@ class Passing:
     def count(self, limit: float, back: float = 0.0) -> int:
         """How many points come nearer than `limit` [m] to the hand on its way up to `back` [m] before the grasp, unlifted."""
         grasp, seen = self._grasp, self._sweep
-        sweep = _Sweep(seen.x, seen.y, seen.z + back, grasp.aperture, grasp.standoff, 0.0, seen.up)
-        return int((sweep.distances(sweep.bounds() < limit + ROUNDING) < limit).sum())
+        by = np.array([[0.0], [0.0], [back]])
+        return _Sweep(seen.points + by, seen.folded + by, grasp.aperture, grasp.standoff, 0.0, seen.up).count(limit)
 
 
 def swept_least(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
@@ -281,8 +320,7 @@ def swept_count(grasp: Grasp, points_w: Array, limit: float, *, lift: float = FU
     points = np.asarray(points_w, float).reshape(-1, 3)
     if not len(points):
         return 0
-    sweep = _Sweep.of(grasp, points - np.asarray(grasp.position), lift)
-    return int((sweep.distances(sweep.bounds() < limit + ROUNDING) < limit).sum())
+    return _Sweep.of(grasp, points - np.asarray(grasp.position), lift).count(limit)
 
 
 HAND_RADIUS = 0.17

@@ -118,8 +118,13 @@ def within_limits(joints: Array, margin: float = LIMIT_MARGIN) -> NDArray[np.boo
 
 def inverse(pose: Array, q7: float, near: Array) -> Array:
     """All closed-form solutions (K, 7), K <= 4, of a tool pose for a given last joint angle [rad]; limits unchecked."""
-    solutions = np.asarray(frankik.ik_full(pose @ _TCP_TO_FLANGE, near, q7))
+    solutions = closed_forms(pose, q7, near)
     return solutions[np.isfinite(solutions).all(axis=1)]
+
+
+def closed_forms(pose: Array, q7: float, near: Array) -> Array:
+    """As `inverse`, with the rows that are no solutions: they are not numbers (4, 7)."""
+    return np.asarray(frankik.ik_full(pose @ _TCP_TO_FLANGE, near, q7))
 
 
 def inverse_many(pose: Array, q7s: Array, near: Array, margin: float = LIMIT_MARGIN) -> Array:

@@ -18,10 +18,10 @@ from sim.arm_shape import table_clearance
 from sim.hand import FULL_LIFT
 from sim.kinematics import (
     LIMIT_MARGIN,
+    closed_forms,
     flipped,
     forward,
     grasp_pose,
-    inverse,
     inverse_many,
     pose_error,
     refine,
@@ -197,12 +197,13 @@ def line(pose: Array, offsets: Array, joints: Array, *, q7_drift: float = 0.0) -
     for index, offset in enumerate(offsets):
         target[:3, 3] = pose[:3, 3] + offset
         q7 = joints[6] + q7_drift * index / (len(offsets) - 1)
-        solutions = inverse(target, float(q7), last)
-        if not len(solutions):
-            return None
-        jumps = np.abs(solutions - last).max(axis=1)
-        best = int(jumps.argmin())
-        if jumps[best] > MAX_JUMP:
+        solutions = closed_forms(target, float(q7), last)
+        best, least = -1, np.inf
+        # A row that is no solution is not a number, which is less than nothing.
+        for number, jump in enumerate(np.maximum.reduce(np.abs(solutions - last), axis=1).tolist()):
+            if jump < least:
+                best, least = number, jump
+        if least > MAX_JUMP:
             return None
         path[index] = last = solutions[best]
         if not all(map(_inside, last.tolist(), _LOWEST, _HIGHEST)):

@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from kb.base import Noun, Vec2
+from kb.base import Noun, Vec2, Vec3
 from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
@@ -256,19 +256,25 @@ def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
     raises = [raised for raised in BIN_RAISES if not gentle or raised <= GENTLE_DROP] or [0.0]
     others = [other for other in (*args.percept.objects, *args.lying) if other.id != args.object.id]
     # Best with room for what swings or rolls when it is let go, and not on top of what lies in the bin already.
-    grades: dict[int, list[SetDown]] = {}
-    for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first]):
-        for raised in raises:
-            centre = (middle[0] + dx, middle[1] + dy)
-            for option in set_downs(args.object, args.held, centre, low[2] + raised):
-                if not fits_bin(option, args.object, args.percept.bin):
-                    grade = 3
-                else:
-                    rooms = enumerate((GAP, WALL_ROOM))
-                    grade = next((k for k, gap in rooms if stands_clear(args.object, option, others, gap)), 2)
-                grades.setdefault(grade, []).append(option)
-    for grade in sorted(grades):
-        yield from grades[grade]
+    slots = [(middle[0] + dx, middle[1] + dy) for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first])]
+    grades = [
+        [_grade(args, option, others, args.percept.bin) for option in set_downs(args.object, args.held, centre, low[2])]
+        for centre in slots
+    ]
+    for wanted in range(4):
+        for centre, graded in zip(slots, grades, strict=True):
+            if wanted in graded:
+                for raised in raises:
+                    options = set_downs(args.object, args.held, centre, low[2] + raised)
+                    yield from (option for option, grade in zip(options, graded, strict=True) if grade == wanted)
+
+
+def _grade(args: PlaceArgs, option: SetDown, others: list[PerceivedObject], corners: tuple[Vec3, Vec3]) -> int:
+    """How much room there is in the bin, whatever the height: 0 most, 2 not enough, 3 not even from the walls."""
+    if not fits_bin(option, args.object, corners):
+        return 3
+    rooms = enumerate((GAP, WALL_ROOM))
+    return next((k for k, gap in rooms if stands_clear(args.object, option, others, gap)), 2)
 
 
 def _in_lane(args: PlaceArgs, corners: tuple[Vec2, Vec2]) -> Iterator[SetDown]:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from kb.base import Vec3
 from kb.percept import PerceivedObject
 from kb.vocabulary import GraspType, Region
 from tools.planning.candidate import (
@@ -21,7 +22,6 @@ from tools.planning.candidate import (
     depth_of,
     horizontal,
     leaning,
-    vec3,
     wrap,
 )
 from tools.planning.section import section
@@ -76,14 +76,18 @@ def palm_floor(top: float, tilt: float) -> float:
 def top_candidates(subject: PerceivedObject, region: Region) -> list[Candidate]:
     """Grasps from above, closing across the object."""
     points_w = subject.surface_points()
+    floors = [max(tip_floor(subject, tilt), palm_floor(subject.top_z, tilt)) for tilt in TILTS]
     found: list[Candidate] = []
     for label, closing_yaw, width, along, offset in _closings(subject):
         origin = np.asarray(subject.position) + along * offset
         if subject.shape not in ("sphere", "cylinder"):
             origin, width = _refine(subject, points_w, origin, horizontal(closing_yaw), width)
+        lean = [leaning(wrap(closing_yaw) + math.pi / 2, tilt) for tilt in TILTS]
         for type_ in ("power", "pinch"):
-            for tilt in TILTS:
-                found.append(_top(subject, region, type_, label, closing_yaw, origin, width, tilt, offset))
+            for tilt, floor, approach in zip(TILTS, floors, lean, strict=True):
+                found.append(
+                    _top(subject, region, type_, label, closing_yaw, origin, width, tilt, offset, floor, approach)
+                )
     return found
 
 
@@ -127,14 +131,14 @@ def _top(
     width: float,
     tilt: float,
     offset: float,
+    floor: float,
+    approach: Vec3,
 ) -> Candidate:
-    floor = max(tip_floor(subject, tilt), palm_floor(subject.top_z, tilt))
     middle = float(origin[2])
     # Fingertips reach the equator of round things from above it (ledger G35); others are held at half height, or, in a
     # pinch, near the top with the pads just covered.
     pinched = max(middle, subject.top_z - 0.014)
     height = max(floor, middle if type_ == "power" or subject.shape == "sphere" else pinched)
-    direction = wrap(closing_yaw) + math.pi / 2
     name_tilt = "" if tilt == 0.0 else f"/tilt{degrees(tilt)}"
     overhang = max(0.0, height - TIP_REACH - middle) if is_round(subject) else 0.0
     small = width < 0.035
@@ -142,8 +146,8 @@ def _top(
         name=f"{region}/top/{type_}/{label}{name_tilt}",
         region=region,
         type="side" if abs(tilt) > math.radians(30) and type_ == "power" else type_,
-        position=vec3((origin[0], origin[1], height)),
-        approach=leaning(direction, tilt),
+        position=(float(origin[0]), float(origin[1]), height),
+        approach=approach,
         yaw=closing_yaw,
         width=width,
         miss=abs(offset) * 0.5 + overhang,
@@ -214,32 +218,32 @@ def side_grips(
         faces = [(long_axis + k * math.pi / 2, width if k % 2 == 0 else subject.size[0]) for k in range(4)]
         bearings = [(a, w) for a, w in faces if abs(math.remainder(a - radial, 2 * math.pi)) < math.radians(100)]
     found: list[Candidate] = []
+    x, y = float(centre[0]), float(centre[1])
+    lowest = {dip: floor for dip in dips if (floor := side_floor(dip)) <= subject.top_z - PAD_HALF_WIDTH}
     for bearing, local in bearings:
         # The palm must not touch the body: pads that grip behind the middle leave it room. Of a thin upright thing (a
         # book) they hold the edge that faces the hand.
         along = width if long_axis is None else (subject.size[0] if local < subject.size[0] else subject.size[1])
         most = MOST_BACK if long_axis is None or local > THIN else along / 2 - EDGE_HOLD
         back = min(most, max(0.0, along / 2 + 0.006 - PALM_DEPTH))
-        for dip in dips:
-            floor = side_floor(dip)
-            if floor > subject.top_z - PAD_HALF_WIDTH:
-                continue
+        off = math.remainder(bearing - radial, 2 * math.pi)
+        forward, sideways = math.cos(bearing), math.sin(bearing)
+        for dip, floor in lowest.items():
             actual = max(height, floor)
-            approach = horizontal(bearing) * math.cos(dip) - np.array([0.0, 0.0, math.sin(dip)])
-            turn = abs(math.remainder(bearing - radial, 2 * math.pi))
+            level = math.cos(dip)
+            ahead, beside, down = forward * level, sideways * level, 0.0 - math.sin(dip)
             found.append(
                 Candidate(
-                    name=f"{region}/side/{label}/bearing{degrees(math.remainder(bearing - radial, 2 * math.pi))}"
-                    f"/dip{degrees(dip)}",
+                    name=f"{region}/side/{label}/bearing{degrees(off)}/dip{degrees(dip)}",
                     region=region,
                     type="side",
-                    position=vec3(np.array([centre[0], centre[1], actual]) - approach * back),
-                    approach=vec3(approach),
+                    position=(x - ahead * back, y - beside * back, actual - down * back),
+                    approach=(ahead, beside, down),
                     yaw=wrap(bearing + math.pi / 2),
                     width=local,
                     miss=abs(actual - height) * 0.5,
                     depth=depth_of(subject, actual),
-                    merit=-0.25 * turn / math.radians(90)
+                    merit=-0.25 * abs(off) / math.radians(90)
                     - 0.2 * abs(dip - best_dip) / math.radians(20)
                     - min(0.4, 8.0 * abs(actual - height)),
                 )

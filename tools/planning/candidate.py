@@ -37,6 +37,9 @@ WIDEST_GRIP = 0.072
 TOP_LIMIT, SIDE_LIMIT = math.radians(20.0), math.radians(65.0)
 """Tilts that bound the approach classes [rad] (kb.experience.ApproachClass)."""
 
+DOWNWARD = -0.7
+"""Height of an approach's unit vector below which it points down: the pads then hold what stands above the fingertips."""
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -73,6 +76,16 @@ class Candidate:
         """Top, tilted or side."""
         return approach_class(self.tilt)
 
+    @cached_property
+    def numbers(self) -> tuple[float, ...]:
+        """What a score follows from besides words: width, room, miss [m], depth, merit, tilt [rad], the position [m], cosine
+        and sine of the yaw, and whether the approach points down (1) or not (0)."""
+        downward = 1.0 if self.approach[2] < DOWNWARD else 0.0
+        return (
+            self.width, self.room, self.miss, self.depth, self.merit, self.tilt, *self.position,
+            math.cos(self.yaw), math.sin(self.yaw), downward,
+        )  # fmt: skip
+
 
 def depth_of(subject: PerceivedObject, height: float) -> float:
     """Height of the tool point over the object's base as a share of the object's height, in [0, 1]."""
@@ -100,7 +113,9 @@ def horizontal(azimuth: float) -> Array:
 
 def leaning(azimuth: float, tilt: float) -> Vec3:
     """Approach that points down, tilted by `tilt` [rad] towards the horizontal direction `azimuth` [rad]."""
-    return vec3(horizontal(azimuth) * math.sin(tilt) + np.array([0.0, 0.0, -math.cos(tilt)]))
+    aside = math.sin(tilt)
+    # A zero is added so that no component is a negative zero.
+    return math.cos(azimuth) * aside + 0.0, math.sin(azimuth) * aside + 0.0, -math.cos(tilt)
 
 
 def wrap(angle: float) -> float:

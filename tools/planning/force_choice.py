@@ -11,7 +11,7 @@ from kb.grasp import MAX_FORCE, MIN_FORCE, Provenance
 from kb.percept import PerceivedObject
 from kb.vocabulary import UNKNOWN_CATEGORY
 from sim.quality import GRAVITY, maximum_force, minimum_force
-from tools.planning.candidate import TIP_REACH, Array, Candidate
+from tools.planning.candidate import DOWNWARD, TIP_REACH, Array, Candidate
 from tools.planning.grasp_prior import GraspPrior
 
 DAMAGE_SPREAD = 0.8
@@ -76,7 +76,7 @@ class ForceTerms:
         along, across = abs(x * cosine + y * sine), abs(y * cosine - x * sine)
         # Of a thin thing the pads only hold what stands above the fingertips.
         covered = PAD_LENGTH
-        if candidate.approach[2] < -0.7:
+        if candidate.approach[2] < DOWNWARD:
             covered = min(PAD_LENGTH, max(0.004, self.top - (candidate.position[2] - TIP_REACH)))
         radius = TWIST_RADIUS * covered / PAD_LENGTH
         weight = self.mass * GRAVITY

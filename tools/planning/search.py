@@ -21,7 +21,8 @@ from tools.planning.force_choice import ForceTerms
 from tools.planning.grasp_prior import GraspPrior
 from tools.planning.posture import ArmWay, Posture
 from tools.planning.rank_candidates import ROOMY, Ranked, estimate, total_score
-from tools.planning.shape_grasp import first_opening, narrow_opening, shape_grasp
+from tools.planning.score_bounds import score_bounds
+from tools.planning.shape_grasp import narrow_opening, shape_grasp
 
 MEASURED = 150
 """Candidates whose clearance is measured, best first."""
@@ -87,8 +88,10 @@ class Search:
         # Most candidates are never looked at again, so the bound is a number and no grasp is made for it.
         affordance = self.subject.affordance
         load = Load.of(force.mass, force.friction, affordance.fragility, affordance.type)
+        bounds = score_bounds(pool, prior, force, load, self.avoid, self.correction).tolist()
         heap: list[tuple[float, str, Constrained | Ranked]] = [
-            (-self._bound(item, prior, force, load, narrow_exists), item.candidate.name, item) for item in pool
+            (-self._narrowed(bound, item, narrow_exists), item.candidate.name, item)
+            for bound, item in zip(bounds, pool, strict=True)
         ]
         heapq.heapify(heap)
         found: list[tuple[Ranked, Posture]] = []
@@ -118,15 +121,9 @@ class Search:
         self.calm = False
         self.unreachable.clear()
 
-    def _bound(self, item: Constrained, prior: GraspPrior, force: ForceTerms, load: Load, narrow_exists: bool) -> float:
-        """The score that a candidate would have with full clearance and its first opening."""
-        candidate = item.candidate
-        opening = first_opening(candidate, self.correction)
-        q, _ = load.grade(opening, force.force(candidate), candidate.type, candidate.miss, candidate.width, ROOMY)
-        return self._score(q, item, prior, ROOMY, narrow_exists)
-
-    def _score(self, q: float, item: Constrained, prior: GraspPrior, clearance: float, narrow_exists: bool) -> float:
-        score = total_score(q, item, prior, self.avoid, clearance)
+    @staticmethod
+    def _narrowed(score: float, item: Constrained, narrow_exists: bool) -> float:
+        """The score less the malus of a wide place where there is a narrower one."""
         return score - WIDE_MALUS if item.candidate.width > WIDEST_GRIP and narrow_exists else score
 
     def _shaped(self, item: Constrained, prior: GraspPrior, force: ForceTerms, opening: float | None) -> Grasp:
@@ -149,7 +146,7 @@ class Search:
             if self._fits_itself(grasp, item.candidate.width):
                 free = min(clearance, FREE)
                 quality = estimate(self.subject, item.candidate, grasp, free, force.mass, force.friction)
-                score = self._score(quality.q, item, prior, free, narrow_exists)
+                score = self._narrowed(total_score(quality.q, item, prior, self.avoid, free), item, narrow_exists)
                 return Ranked(item=item, grasp=grasp, quality=quality, score=score, clearance=free)
         self._reject("hand would touch another part of the object")
         return None

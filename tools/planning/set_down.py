@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -166,17 +166,19 @@ def set_downs(held: PerceivedObject, plan: Plan, centre: Vec2, support_z: float)
         centre: Wanted centre of the footprint [m].
         support_z: Height of what it is to stand on [m].
     """
-    offset = np.asarray(plan.grasp.position) - np.array([held.position[0], held.position[1], held.base_z])
+    x, y, z = plan.grasp.position
+    offset = x - held.position[0], y - held.position[1], z - held.base_z
     rotation = hand_at_grasp(plan)
+    across, along = rotation[:, 1].tolist(), rotation[:, 2].tolist()
     # A top grasp may turn freely; a side grasp turns with the bearing so that the arm stays in its plane.
     start = math.atan2(held.position[1], held.position[0])
     natural = math.atan2(centre[1], centre[0]) - start if abs(plan.grasp.approach[2]) < 0.8 else 0.0
     for turn in TURNS:
         angle = natural + turn
-        closing = _turned(rotation[:, 1], angle)
+        closing, aside = _turned(across, angle), _turned(offset, angle)
         yield SetDown(
-            position=vec3(np.array([centre[0], centre[1], support_z + DROP]) + _turned(offset, angle)),
-            approach=vec3(_turned(rotation[:, 2], angle)),
+            position=(centre[0] + aside[0], centre[1] + aside[1], support_z + DROP + aside[2]),
+            approach=_turned(along, angle),
             yaw=math.atan2(closing[1], closing[0]),
             centre=centre,
             turn=angle,
@@ -255,7 +257,7 @@ def load_points(held: PerceivedObject, plan: Plan) -> tuple[Vec3, ...]:
         reach = max(0.0, extent / 2 - CARRIED_RADIUS)
         axes.append(np.linspace(-reach, reach, 1 if reach == 0.0 else math.ceil(2 * reach / SPHERE_STEP) + 1))
     local: Array = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    world: Array = np.array([_turned(local[k], held.yaw) for k in range(len(local))]) + np.asarray(held.position)
+    world: Array = np.array([_turned(point, held.yaw) for point in local.tolist()]) + np.asarray(held.position)
     in_hand = (world - np.asarray(plan.grasp.position)) @ hand_at_grasp(plan)
     return tuple(vec3(in_hand[k] + np.array([0.0, 0.0, TCP_OFFSET])) for k in range(len(in_hand)))
 
@@ -294,6 +296,7 @@ def bin_points(corners: tuple[Vec3, Vec3]) -> Array:
     return np.concatenate(sides)
 
 
-def _turned(vector: Array, angle: float) -> Array:
+def _turned(vector: Sequence[float], angle: float) -> Vec3:
     cosine, sine = math.cos(angle), math.sin(angle)
-    return np.array([cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1], vector[2]])
+    x, y, z = vector
+    return cosine * x - sine * y, sine * x + cosine * y, z
