@@ -33,8 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise BadInputError("trials of different evaluators cannot stand in one table; use --analytic")
         analytic = read_trials(given.analytic / "trials.jsonl") if given.analytic else ()
         retrieval = read_retrieval(given.retrieval) if given.retrieval else None
+        sources = (*given.folder, *((given.analytic,) if given.analytic else ()))
         study = read_learning(given.learning) if given.learning else None
-        extras = Extras(analytic=analytic, retrieval=retrieval, learning=study)
+        extras = Extras(analytic=analytic, retrieval=retrieval, learning=study, folders=sources)
         files = write_report(trials, given.out or given.folder[0], extras)
         if given.results:
             files = results_page(

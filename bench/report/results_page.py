@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from bench import agreement
-from bench.report import contrasts, noise, paper, predictions, recovery, safety, success
+from bench.report import contrasts, diagnosis, noise, paper, predictions, recovery, runs, safety, success
 from bench.report.chart_parts import ladder_chart
 from bench.report.chart_success import noise_chart, success_chart
 from bench.report.findings import findings, silent
@@ -161,7 +160,7 @@ def _tables(
 ) -> list[Table]:
     return [
         target_table(aims), *success.tables(results), *contrasts.tables(results), *recovery.tables(results),
-        *predictions.tables(results), *safety.tables(results), *noise.tables(results),
+        *predictions.tables(results), *safety.tables(results), *diagnosis.tables(results), *noise.tables(results),
         *([agreement.table(results.all, analytic)] if analytic else []),
         *(success.tables(Results(analytic))[:2] if analytic else []), *paper.tables(results, retrieval),
     ]  # fmt: skip
@@ -169,25 +168,15 @@ def _tables(
 
 def provenance(folder: Path) -> list[str]:
     """Command, commit, wall time and date of a run's sittings, as lines."""
-    path = folder / "run.json"
-    if not path.is_file():
+    found = runs.sittings(folder)
+    if found is None:
         return [f"- {folder.name}: no run.json, so its command is not known"]
-    sittings: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8")).get("sessions", [])
-    lines: list[str] = []
-    for command in dict.fromkeys(str(sitting.get("command")) for sitting in sittings):
-        own = [sitting for sitting in sittings if str(sitting.get("command")) == command]
-        commits = ", ".join(dict.fromkeys(str(s.get("commit"))[:8] + _plus(s) for s in own))
-        minutes = sum(float(s.get("wall_s", 0.0)) for s in own) / 60
-        lines.append(
-            f"- `{command}`: commit {commits}, finished {own[-1].get('finished')}, {minutes:.1f} min on "
-            f"{own[-1].get('workers')} workers, {sum(int(s.get('rows', 0)) for s in own)} rows"
-        )
+    lines = [
+        f"- `{one.command}`: commit {one.commits}, finished {one.finished}, {one.minutes:.1f} min on "
+        f"{one.workers} workers, {one.rows} rows"
+        for one in found
+    ]
     return lines or [f"- {folder.name}: nothing was run"]
-
-
-def _plus(sitting: Mapping[str, Any]) -> str:
-    """A mark where files were changed since the commit."""
-    return " with uncommitted changes" if str(sitting.get("commit")).endswith("+") else ""
 
 
 def _figure(path: Path, drawn: str) -> Path:

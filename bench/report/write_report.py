@@ -15,7 +15,19 @@ from typing import Any
 
 from bench import agreement
 from bench.cells import cells
-from bench.report import contrasts, diagnosis, learning, noise, paper, predictions, recovery, safety, success, times
+from bench.report import (
+    contrasts,
+    diagnosis,
+    learning,
+    noise,
+    paper,
+    predictions,
+    recovery,
+    runs,
+    safety,
+    success,
+    times,
+)
 from bench.report.chart_parts import failure_chart, flow_chart, ladder_chart, time_chart
 from bench.report.chart_success import contrast_chart, noise_chart, success_chart
 from bench.report.findings import Finding, cards, findings
@@ -44,6 +56,8 @@ class Extras:
     """Content of the file of `ragvlm kb eval --json`."""
     learning: Mapping[str, Any] | None = None
     """Content of the file summary.json of `python -m bench.learn_study`."""
+    folders: Sequence[Path] = ()
+    """Where the trials are from; their run.json tells commands, commits and dates."""
 
 
 def write_report(trials: Sequence[Trial], folder: Path, extras: Extras | None = None) -> list[Path]:
@@ -133,6 +147,7 @@ def chapters(results: Results, extras: Extras) -> list[Section]:
         Section("learning", "Learning", "", grown, learning.tables(study) if study else []),
         Section("agreement", "Two evaluators", "", [], agreed),
         Section("paper", "Beside the paper", "", [], paper.tables(results, extras.retrieval)),
+        Section("runs", "Runs", "", [], [listed] if (listed := runs.table(extras.folders)) else []),
     ]  # fmt: skip
 
 
