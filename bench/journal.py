@@ -120,8 +120,8 @@ class Journal:
             else:
                 self.done.add(key)
                 kept.append(line + b"\n")
-        for sentence in self.repaired:
-            log.warning("%s", sentence)
+        for sentence in self.repaired:  # whoever opened the journal tells them to the person
+            log.info("%s", sentence)
         if b"".join(kept) != content:
             write_atomically(path, b"".join(kept))
 
