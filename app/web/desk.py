@@ -265,7 +265,7 @@ class Desk:
         elif step.kind in ("observation", "finished", "refused"):
             self.view.rest()
         # The answer is said once: as the turn's last step, with the observer's verdict under it.
-        if step.kind != "asked" and (entry := entry_of(step)) is not None:
+        if step.kind != "asked" and (entry := entry_of(step, stopped=self.status.stopped)) is not None:
             self._enter(entry)
 
     # Telling ------------------------------------------------------------------------------------------------------

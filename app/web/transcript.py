@@ -27,10 +27,15 @@ MORE_LABELS = {
 }
 
 
-def entry_of(step: Any) -> dict[str, Any] | None:
-    """A step as an entry: who speaks, one sentence, and the numbers under it; None if it adds nothing."""
+def entry_of(step: Any, *, stopped: bool = False) -> dict[str, Any] | None:
+    """A step as an entry: who speaks, one sentence, and the numbers under it; None if it adds nothing.
+
+    Args:
+        step: Of the conversation.
+        stopped: A person has stopped the robot; what it had reached by then is no mistake of its own.
+    """
     if step.kind == "finished":
-        return _verdict(step.result)
+        return _verdict(step.result, stopped)
     label = LABELS[step.kind][0] if step.kind in LABELS else MORE_LABELS.get(step.kind, step.kind.capitalize())
     details = DETAILS.get(step.kind)
     first, *rest = str(step.text).splitlines() or [""]
@@ -41,12 +46,14 @@ def entry_of(step: Any) -> dict[str, Any] | None:
     return entry
 
 
-def _verdict(result: Any) -> dict[str, Any] | None:
+def _verdict(result: Any, stopped: bool) -> dict[str, Any] | None:
     """What the observer saw, beside what the robot claims; the answer itself has been said."""
     goals = [goal for goal in result.goals if goal.attempts or goal.verdict is not None]
     if not goals or not result.executed:
         return None
-    stopped = any(attempt.evidence.get("stopped_by") == "stop" for goal in goals for attempt in goal.attempts)
+    stopped = stopped or any(
+        attempt.evidence.get("stopped_by") == "stop" for goal in goals for attempt in goal.attempts
+    )
     wrong = not stopped and any(goal.claimed != goal.success for goal in goals)
     text = f"The observer saw {'success' if result.success else 'no success'}."
     if wrong:

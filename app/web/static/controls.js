@@ -8,8 +8,15 @@ export function wireControls(page, send) {
   $("release").onclick = () => send({ type: "release" });
   const onKey = (event) => { if (event.key === "Escape" && (page.status.busy || !document.querySelector("dialog[open]"))) stop(); };
   addEventListener("keydown", onKey);
+  // A frame shows no ring of its own when the keyboard reaches it.
+  addEventListener("keydown", (event) => { if (event.key === "Tab") document.body.classList.add("keys"); });
+  addEventListener("pointerdown", () => document.body.classList.remove("keys"), true);
   // The 3D view is a document of its own: Esc must stop the robot there too.
-  const listen = () => $("view").contentWindow.addEventListener("keydown", onKey);
+  const listen = () => {
+    $("view").contentWindow.addEventListener("keydown", onKey);
+    $("view").contentWindow.addEventListener("pointerdown", () => document.body.classList.remove("keys"), true);
+    for (const [name, has] of [["focus", true], ["blur", false]]) $("view").contentWindow.addEventListener(name, () => $("view").parentElement.classList.toggle("entered", has));
+  };
   $("view").addEventListener("load", listen);
   if ($("view").contentDocument?.readyState === "complete") listen();
   $("asks").onchange = (event) => send({ type: "asks", on: event.target.checked });
@@ -31,10 +38,13 @@ export function wireControls(page, send) {
   };
 }
 
+const plain = (scene) => scene.split("/").at(-1).replace(/\.ya?ml$/, "");
+
 function showStatus(page) {
   const { status, controls } = page;
   const yours = controls.yours;
-  $("scene-name").textContent = `${(status.scene ?? "").split("/").at(-1).replace(/\.ya?ml$/, "")} · ${status.seed}`;
+  $("scene-name").textContent = `${plain(status.scene ?? "")} · ${status.seed}`;
+  $("scene-open").title = `Scene ${plain(status.scene ?? "")}, seed ${status.seed}`;
   $("session-name").textContent = status.thread ?? "not kept";
   $("speed").value = String(status.speed);
   $("asks").checked = Boolean(status.asks);
@@ -65,7 +75,9 @@ function wireDialogs(page, send) {
   enters(["add-x", "add-y"], "add-go");
   $("add-place").onchange = (event) => { $("add-x").disabled = $("add-y").disabled = !event.target.checked; };
   $("add-go").onclick = () => {
-    const position = $("add-place").checked ? [Number($("add-x").value), Number($("add-y").value)] : null;
+    const places = [$("add-x"), $("add-y")];
+    if ($("add-place").checked && !places.every((field) => field.reportValidity())) return;
+    const position = $("add-place").checked ? places.map((field) => Number(field.value) / 1000) : null;
     send({ type: "add", model: $("add-pick").value, position });
     close("scene-dialog");
   };
@@ -84,7 +96,7 @@ function showOffers(page, send) {
       else event.target.textContent = "Really?";
     };
     const act = (action) => () => { send({ type: "session", action, thread: s.thread }); if (action === "open") $("session-dialog").close(); };
-    return h("div", { class: "session" }, h("div", {}, h("b", {}, s.thread), here ? " (open)" : "", h("div", { class: "soft" }, `${(s.scene || "?").split("/").at(-1)} · seed ${s.seed} · ${s.turns} ${s.turns === 1 ? "turn" : "turns"}${s.last ? ` · “${s.last.slice(0, 60)}”` : ""}`)),
+    return h("div", { class: "session" }, h("div", {}, h("b", {}, s.thread), here ? " (open)" : "", h("div", { class: "soft" }, `${plain(s.scene || "?")} · seed ${s.seed} · ${s.turns} ${s.turns === 1 ? "turn" : "turns"}${s.last ? ` · “${s.last.slice(0, 60)}”` : ""}`)),
       h("button", { type: "button", class: "small", disabled: here, onclick: act("open") }, "Open"), h("button", { type: "button", class: "small", title: "The whole session as one file", onclick: act("export") }, "Export"), h("button", { type: "button", class: "small no", disabled: here, onclick: remove }, "Delete"));
   });
   const points = (page.offers.points ?? []).map((p) => h("div", { class: "session" }, h("div", {}, `after turn ${p.turn}: “${p.said}”`),

@@ -102,8 +102,11 @@ function connect() {
     const message = JSON.parse(event.data);
     HANDLERS[message.type]?.(message);
   };
-  socket.onclose = () => {
+  socket.onclose = async () => {
     $("lost").hidden = false;
+    // Another process does not know this page's cookie: trying again would be in vain.
+    const answer = await fetch("/", { cache: "no-store" }).catch(() => null);
+    if (answer?.status === 403) return ($("lost").textContent = "The robot's program was started anew. Open the address that it printed.");
     setTimeout(connect, waiting);
     waiting = Math.min(waiting * 2, 8000);
   };

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
 from app.timeline import CURVE_POINTS, curve
 from app.web.replays import KEPT, Replays
 from app.web.rows import measurement
-from app.web.transcript import FILE, Transcript
+from app.web.transcript import FILE, Transcript, entry_of
 from app.web.transcript import KEPT as ENTRIES
 
 
@@ -35,6 +36,18 @@ def test_replays_come_back_and_stay_bounded(tmp_path: Path) -> None:
     assert latest.at(0.0)[0] == 0.0
     assert np.isclose(latest.at(1.0)[0], 0.04)
     assert np.isclose(latest.at(0.5)[0], 0.02)
+
+
+def test_a_stopped_robot_is_not_called_wrong() -> None:
+    """What had come about before the stop is told without blame; a claim that nobody cut short is judged."""
+    goal = SimpleNamespace(attempts=(), verdict=object(), claimed=False, success=True)
+    result = SimpleNamespace(goals=[goal], executed=True, success=True, damage_events=0)
+    step = SimpleNamespace(kind="finished", result=result)
+    cut, whole = entry_of(step, stopped=True), entry_of(step)
+    assert cut is not None
+    assert whole is not None
+    assert cut["text"] == "The observer saw success."
+    assert "wrong about it" in whole["text"]
 
 
 def test_the_transcript_comes_back_without_what_a_kill_cut_off(tmp_path: Path) -> None:
