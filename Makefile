@@ -18,7 +18,7 @@ WORKERS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null ||
 # Exit code 5 of pytest means that no test was selected; a selection that may be empty is no failure.
 ALLOW_EMPTY = || { code=$$?; [ $$code -eq 5 ] || exit $$code; }
 
-.PHONY: help run demo test test-models test-long check lint type format measure bench bench-smoke docs figures clean
+.PHONY: help run demo serve test test-models test-long check lint type format measure bench bench-smoke docs figures clean
 
 help:  ## Lists the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -29,6 +29,9 @@ run: $(VENV)/.core  ## Picks up the cup next to the vase: the main job, offline,
 demo: $(VENV)/.core  ## The same run, recorded with pictures and a video into runs/demo
 	$(RUN) --record runs/demo
 	@echo "look at runs/demo"
+
+serve: $(VENV)/.web  ## The web page with the live robot: prints its address, Ctrl-C ends it
+	$(VENV)/bin/ragvlm serve --scene "$(SCENE)" --seed "$(SEED)"
 
 test: $(VENV)/.dev  ## All tests that need no torch, in parallel
 	$(TEST_ENV) $(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal
@@ -82,6 +85,10 @@ clean:  ## Removes the environments and caches (not your runs)
 $(VENV)/.core: pyproject.toml
 	@bash .ci/make_venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --root-user-action=ignore --editable .
+	@touch $@
+
+$(VENV)/.web: pyproject.toml $(VENV)/.core
+	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --root-user-action=ignore --editable '.[web]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml $(VENV)/.core
