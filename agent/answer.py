@@ -12,6 +12,7 @@ from agent.kept_force import raised, raised_words
 from agent.language.describe import describe, listing, spoken
 from agent.language.resolve import Scope, resolve
 from agent.language.single_out import leftness
+from agent.told_of_bin import binned, contents, means_bin
 from kb.grasp import GraspField, Provenance
 from kb.percept import PerceivedObject
 from prompts import load_prompt
@@ -105,7 +106,7 @@ def _where(situation: Situation, goal: Goal) -> str:
     assert situation.percept is not None
     ids = goal.reference.ids if goal.reference else ()
     if not ids:
-        return goal.note or "I do not see that."
+        return binned(goal.reference, situation.in_bin) or goal.note or "I do not see that."
     held = situation.held
     if held is not None and held.object.id in ids:
         return f"The {phrases.plain(held.category)} is in my hand."
@@ -141,6 +142,8 @@ def _beside(situation: Situation, obj: PerceivedObject) -> str:
 
 def _near(situation: Situation, goal: Goal) -> str:
     assert situation.percept is not None
+    if means_bin(goal.reference):
+        return contents(situation.in_bin, situation.percept)
     relation = goal.reference.relation if goal.reference else None
     name = spoken(relation.others[0]) if relation and relation.others else "it"
     word = phrases.plain(relation.relation) if relation else "near"
@@ -165,7 +168,9 @@ def _properties(situation: Situation, goal: Goal) -> str:
     ids = goal.reference.ids if goal.reference else ()
     things = [obj for obj in situation.percept.objects if obj.id in ids]
     if not things:
-        return goal.note or "I do not see that."
+        if means_bin(goal.reference):
+            return contents(situation.in_bin, situation.percept)
+        return binned(goal.reference, situation.in_bin) or goal.note or "I do not see that."
     lines: list[str] = []
     for obj in things:
         low, high = obj.mass

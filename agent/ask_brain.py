@@ -45,6 +45,7 @@ def situation(state: State, context: AgentContext) -> Situation:
         tries=state.tries(),
         turn=state.turn,
         held=state.held,
+        in_bin=state.in_bin,
         last_target=state.last_target,
         plan_reason=state.plan_reason,
         dry_run=context.dry_run,

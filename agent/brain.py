@@ -18,7 +18,7 @@ from kb.base import Finite, Noun
 from kb.constraint import Constraints
 from kb.experience import Retrieval
 from kb.grasp import GraspField
-from kb.percept import Percept
+from kb.percept import PerceivedObject, Percept
 from kb.rgbd import RgbdView
 from kb.run_result import Level
 from kb.scene_graph import SceneGraph
@@ -81,6 +81,8 @@ class Situation:
     """The attempts for the goal in work."""
     turn: int = 0
     held: Held | None = None
+    in_bin: tuple[PerceivedObject, ...] = ()
+    """What was put into the bin."""
     last_target: str | None = None
     plan_reason: str = ""
     dry_run: bool = False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from agent import events
 from agent.agenda import changed, finish, fresh, push, put_back
 from agent.ask_which import ask, choices, one_of, several
@@ -13,8 +15,11 @@ from agent.language.describe import describe, listing, spoken
 from agent.language.resolve import Resolution, Scope, resolve
 from agent.possible import EMPTY_HAND, impossible, lets_go_of_nothing, single
 from agent.state import State, Update, merged
+from agent.told_of_bin import binned, not_back
 from kb.percept import PerceivedObject, Percept
 
+BACK_ALREADY = 0.02
+"""A thing this near to where it stood before it was moved has been put back [m]."""
 SAME_PLACE = 0.15
 """An object of the same category within this distance of where the target was is taken to be the target [m]."""
 
@@ -37,15 +42,19 @@ def ground_goals(state: State) -> Grounded:
 
 
 def scope_of(state: State) -> Scope:
-    """What references are resolved in."""
+    """What references are resolved in; for "undo" and "put it back", "it" is what was moved last, whatever was asked since."""
     assert state.percept is not None
-    return Scope(percept=state.percept, held=state.held.object if state.held else None, last=state.last_target)
+    last, goal = state.last_target, state.goal if state.agenda else None
+    if state.held is None and state.moved is not None and goal is not None:
+        last = state.moved.id if goal.placement is not None and goal.placement.kind == "back" else last
+    return Scope(percept=state.percept, held=state.held.object if state.held else None, last=last)
 
 
 def _refusal(state: State, percept: Percept) -> Grounded | None:
     """The first goal whose thing (or place) is absent or ambiguous: then nothing moves at all."""
     scope = scope_of(state)
     meant: PerceivedObject | None = None
+    hidden = tuple(obj for obj in state.in_bin if all(seen.id != obj.id for seen in percept.objects))
     for index, goal in enumerate(state.goals):
         if goal.kind == "clear" and percept.bin is None:
             return say(state, "There is no bin here to clear anything into.")
@@ -54,9 +63,12 @@ def _refusal(state: State, percept: Percept) -> Grounded | None:
                 continue
             if reference.pronoun and lets_go_of_nothing(scope.held, goal, None, earlier=index > 0):
                 return say(state, EMPTY_HAND)
+            inside = not_back(goal, state.moved.id if state.moved else None, hidden) if scope.held is None else None
+            if inside is not None and index == 0:
+                return say(state, inside)
             got = resolve(reference, scope) if not _only_place(reference) else Resolution(ids=("",))
             if not got.ids:
-                return say(state, got.problem or "I see nothing like that.")
+                return say(state, binned(reference, hidden) or got.problem or "I see nothing like that.")
             if reference is goal.reference and _too_few(reference, got):
                 return say(state, f"I see only one: {choices(got, percept)[0]}.")
             if goal.kind in ("pick", "place") and len(got.ids) > 1:
@@ -106,6 +118,8 @@ def _thing(state: State, percept: Percept) -> Grounded:
     if held is None and placement is not None and placement.kind == "back":
         if state.moved is None or state.moved.id != obj.id:
             return _over(state, "I have moved nothing that I could put back.")
+        if math.dist(obj.position[:2], state.moved.origin[:2]) < BACK_ALREADY:
+            return _over(state, f"{describe(obj, percept.objects).capitalize()} stands where it stood before already.")
         placement = placement.model_copy(update={"point": state.moved.origin[:2]})
     if placement is not None and placement.kind == "bin" and percept.bin is None:
         problem = None if placement.or_aside else "There is no bin here."

@@ -58,10 +58,11 @@ def keep(store: Any, state: State, thread: str) -> str:
     store.put((ROOT, item.category), f"{order:09d}", item.model_copy(update={"order": order}).model_dump(mode="json"))
     for key, _ in sorted(known)[: max(0, len(known) + 1 - KEPT)]:
         store.delete((ROOT, item.category), key)
-    name = phrases.plain(item.category)
+    name, used = phrases.plain(item.category), attempt.plan.grasp.force
+    alone = f" ({used:.1f} N beside what stood near it)" if abs(used - item.force) >= 0.05 else ""
     return (
         f"I will remember for every later conversation how I took the {name}: {item.type} grasp of the {item.region} "
-        f"with {item.force:.1f} N, opening {item.aperture * 1000:.0f} mm."
+        f"with {item.force:.1f} N{alone}, opening {item.aperture * 1000:.0f} mm."
     )
 
 
@@ -74,7 +75,7 @@ def forget(store: Any, category: str | None) -> str:
         for item in store.search(namespace, limit=MANY):
             store.delete(namespace, item.key)
             gone += 1
-    about = f" about the {category}" if category else ""
+    about = f" about the {phrases.plain(category)}" if category else ""
     return f"Forgotten: {gone} grasp{'s' if gone != 1 else ''}{about}." if gone else f"I had kept nothing{about}."
 
 

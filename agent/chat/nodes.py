@@ -107,18 +107,26 @@ def why(state: State, runtime: Run) -> Update:
     """Why a grasp was chosen."""
     attempt = _attempt(state, "attempt")
     if attempt is None:
-        return _tell(state, runtime, "I have not grasped anything yet in this conversation.", query="why")
+        return _tell(state, runtime, no_attempt(state), query="why")
     step = explain(attempt, runtime.context.tools.store)
     return _tell(state, runtime, step.text, step, query="why")
+
+
+def no_attempt(state: State) -> str:
+    """That there is none of that number, and which there are."""
+    if not state.attempts:
+        return "I have not grasped anything yet in this conversation."
+    first, last = state.attempts[0].number + 1, state.attempts[-1].number + 1
+    if first == last:
+        return f"There is only attempt {last} in this conversation."
+    return f"I have attempts {first} to {last} of this conversation."
 
 
 def compare(state: State, runtime: Run) -> Update:
     """Two attempts side by side: the last two, or those that were named."""
     first, second = _attempt(state, "first", -2), _attempt(state, "second", -1)
     if first is None or second is None or first.number == second.number:
-        many = len(state.attempts)
-        text = f"There are {many} attempts" if many != 1 else "There is one attempt"
-        return _tell(state, runtime, f"{text} in this conversation; comparing needs two different ones.")
+        return _tell(state, runtime, f"{no_attempt(state)} Comparing needs two different ones.")
     step = compared(first, second)
     return _tell(state, runtime, step.text, step)
 

@@ -117,7 +117,10 @@ def _goal_of(query: Query, text: str) -> Goal | str:
         return Goal(kind="look" if query == "see" else "answer", query=query)
     force = FORCE.search(text)
     if force is None:
-        return "I can only simulate another force so far. Ask, for example: what would have happened with 6 N?"
+        return (
+            "I can simulate the last grasp with another number or in another way. Ask, for example: what would have "
+            "happened with 6 N, with a pinch grasp, from the side, by the rim?"
+        )
     if not 1.0 <= float(force[1]) <= 70.0:
         return f"The hand can close with 1 to 70 N, not with {float(force[1]):g} N."
     return Goal(kind="answer", query="what_if", force=float(force[1]))

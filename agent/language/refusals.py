@@ -50,6 +50,11 @@ DISTANCE = re.compile(
     r"(?:cm|mm|m|centimet(?:er|re)s?|millimet(?:er|re)s?|met(?:er|re)s?|inch|inches|feet|foot|hand ?widths?)\b"
 )
 """Moving a thing by a length, or to a length from something."""
+OUT_OF_BIN = re.compile(
+    r"^(?:take|get|pick|pick up|grab|fetch|bring|put|move|lift|pull|fish|remove|retrieve|give|hand) .*\b(?:out of|from(?: inside| out of)?|back from) the "
+    r"(?:bin|trash(?: can| bin)?|rubbish(?: bin)?|garbage(?: can| bin)?|wastebasket|dustbin|basket)\b"
+    r"|^empty the (?:bin|trash(?: can)?|dustbin)\b"
+)
 FROM_A_HEIGHT = re.compile(
     r"^(?:drop|release|let go of|let|throw|toss|lower) .*\bfrom (?:a |the |your )?(?:great |certain |small |full |top )?(?:height|distance|high|far|up|above|way up|there|\d|an? |one |two |ten |half )"
     r"|^(?:let|make) .+ (?:fall|drop|crash|bounce)\b|^drop .*\b(?:\d+(?:\.\d+)? ?(?:cm|mm|m)\b|from where you are)"
@@ -89,6 +94,8 @@ def refuse(line: str) -> str | None:
         return "I cannot wait for a condition or a time: ask me whether it is so, and then tell me what to do."
     if BOTH_SIDES.search(line):
         return "That contradicts itself: a thing cannot be on both sides at once."
+    if OUT_OF_BIN.search(line):
+        return "I cannot take things out of the bin: I do not see what lies in it, and its walls are in the way."
     if FROM_A_HEIGHT.search(line):
         return (
             'I do not let things fall: I set them down gently. Say "put it back", "put it down", "put it on the left" or, '

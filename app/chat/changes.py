@@ -42,11 +42,17 @@ def changes_of(text: str, *, where: str) -> dict[str, Any]:
     return found
 
 
+def _names(where: str) -> tuple[str, ...]:
+    """What may be named there."""
+    others = ("x", "y") if where == "/whatif" else ("attempt",)
+    return tuple(name for name in (*NUMBERS, *TEXTS) if name not in others)
+
+
 def _value(name: str, text: str, where: str) -> Any:
     if name in TEXTS:
         return text.lower() if name != "candidate" else text
     if name not in NUMBERS:
-        raise BadInputError(f'"{name}" cannot be changed', where=where, choices=(*NUMBERS, *TEXTS))
+        raise BadInputError(f'"{name}" cannot be changed', where=where, choices=_names(where))
     for unit, factor in NUMBERS[name]:
         if text.lower().endswith(unit):
             number = text[: len(text) - len(unit)].strip()

@@ -34,6 +34,15 @@ COMMANDS: dict[str, str] = {
 NAMES: tuple[str, ...] = tuple(name.split()[0] for name in COMMANDS)
 
 
+ALSO: dict[str, str] = {
+    "/fork": "/back", "/branch": "/back", "/goto": "/back", "/steps": "/history", "/exit": "/quit", "/bye": "/quit",
+    "/forget": "/memory", "/recall": "/memory", "/yes": "/approve", "/no": "/reject", "/continue": "/resume", "/go": "/resume",
+    "/status": "/report", "/summary": "/report", "/threads": "/sessions", "/load": "/scene", "/abort": "/stop", "/halt": "/stop",
+    "/diff": "/compare", "/explain": "/why", "/simulate": "/whatif", "/export": "/sessions", "/import": "/sessions",
+}  # fmt: skip
+"""Names that a person may try -> the command that they want. They are suggested, not done."""
+
+
 def command_of(line: str) -> tuple[str, str]:
     """The command that a line means, and the rest of the line. A beginning that fits one command only is enough.
 
@@ -47,7 +56,8 @@ def command_of(line: str) -> tuple[str, str]:
     fits = [command for command in NAMES if command.startswith(name)] if len(name) > 1 else []
     if len(fits) == 1:
         return fits[0], rest.strip()
-    near = fits or difflib.get_close_matches(name, NAMES, n=2, cutoff=0.5)
+    also = [ALSO[name]] if name in ALSO else []
+    near = fits or also or difflib.get_close_matches(name, NAMES, n=2, cutoff=0.5)
     shown = name if len(name) < 40 else name[:37] + "..."
     meant = f"; did you mean {' or '.join(near)}?" if near else ""
     raise BadInputError(f'there is no command "{shown}"{meant}', choices=() if near else NAMES)

@@ -77,9 +77,11 @@ def test_tools_are_heard_whatever_the_wording() -> None:
         ("what have you done so far?", "report"), ("why did you grasp it that way?", "why"), ("thank you", "say"),
         ("what would have happened with 4 N?", "whatif"), ("what if you had used a pinch grasp", "whatif"),
         ("pick up the cup", "task"), ("what do you see", "task"), ("forget what you remember", "forget"),
+        ("forget everything", "forget"), ("forget the phone", "forget"), ("forget about the cup", "forget"),
         ("why did you not use more force?", "why"), ("why did it not work?", "task"),
     ):  # fmt: skip
         assert hear(words, State())[0].tool == tool, words
+    assert hear("forget the phone", State())[0].values == {"category": "smartphone"}
     both = hear("pick up the cup and remember that", State())
     assert [call.tool for call in both] == ["task", "remember"]
 
@@ -132,6 +134,9 @@ def test_why_and_compare_speak_from_the_record(talk: Conversation) -> None:
     assert "trials succeeded" in told.text
     rows = {row.field for row in events(talk.compare(0, 1))["compared"].rows}
     assert "force" in rows
+    many = len(talk.state.attempts)
+    assert f"I have attempts 1 to {many} of" in events(talk.why(99))["answer"].text
+    assert f"I have attempts 1 to {many} of" in events(talk.compare(0, 98))["answer"].text
     assert "object" not in rows
 
 
