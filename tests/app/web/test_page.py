@@ -7,6 +7,7 @@ import time
 from statistics import median
 from typing import Any
 
+import numpy as np
 import pytest
 
 SIZE = {"width": 1280, "height": 720}
@@ -76,6 +77,8 @@ def _a_command_streams_asks_and_is_judged(page: Any, site: Any) -> None:
         assert any(kind in str(found) for found in kinds), kind
     assert not any("k-action" in str(found) for found in kinds)
     _expect(page, "#panel-grasps tbody tr.chosen").to_have_count(1)
+    assert page.evaluate("(e => e.scrollHeight <= e.clientHeight)(document.querySelector('#approval .why'))")
+    _pointing_at_a_gripper_sets_off_its_row(page, site)
     page.fill("#approval input[name=force]", "13")
     page.click("#approval .yes")
     _expect(page, "#log .k-finished").to_contain_text("The observer saw success", timeout=WAIT)
@@ -87,6 +90,28 @@ def _a_command_streams_asks_and_is_judged(page: Any, site: Any) -> None:
     assert page.locator("#panel-attempts svg path").count() == 2
     page.click("#tab-memory")
     _expect(page, "#panel-memory").to_contain_text("cube")
+
+
+def _pointing_at_a_gripper_sets_off_its_row(page: Any, site: Any) -> None:
+    """The pointer over the palm of the chosen gripper, where the view's own camera sees it, sets off gripper and row."""
+    page.wait_for_function("() => document.querySelector('#view').contentWindow.camera", timeout=WAIT)
+    camera = page.evaluate("document.querySelector('#view').contentWindow.camera")
+    chosen = next(c for c in site.desk.view._candidates if c.chosen)
+    w, x, y, z = camera["wxyz"]
+    turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])  # fmt: skip
+    palm = np.array(chosen.grasp.position) - 0.08 * chosen.grasp.rotation()[:, 2]
+    seen = turn.T @ (palm - np.array(camera["position"]))
+    box = page.locator("#view").bounding_box()
+    half = box["height"] / 2 / np.tan(camera["fov"] / 2)
+    across = box["x"] + box["width"] / 2 + seen[0] / seen[2] * half
+    down = box["y"] + box["height"] / 2 + seen[1] / seen[2] * half
+    page.mouse.move(across, down)
+    _expect(page, "#panel-grasps tr.over").to_have_count(1, timeout=WAIT)
+    assert site.desk.view._pointed == page.get_attribute("#panel-grasps tr.over", "data-name")
+    page.mouse.move(box["x"] + 5, box["y"] + box["height"] - 5)
+    _expect(page, "#panel-grasps tr.over").to_have_count(0, timeout=WAIT)
 
 
 def _numbers_beyond_the_hand_cannot_be_approved(page: Any, site: Any) -> None:
@@ -191,9 +216,10 @@ def _a_second_page_may_only_look_and_stop(page: Any, context: Any, site: Any) ->
 
 
 def _nothing_is_cut_off(page: Any) -> None:
-    """At both sizes the page fits the window, and its parts lie beside each other, none outside."""
-    for size in ((1280, 720), (820, 1180)):
+    """At each size the page fits the window, its parts lie beside each other, none outside, and all tabs are seen."""
+    for size in ((1280, 720), (1024, 768), (820, 1180)):
         page.set_viewport_size({"width": size[0], "height": size[1]})
+        assert page.evaluate("(e => e.scrollWidth <= e.clientWidth)(document.querySelector('.tabs'))"), size
         boxes = {
             name: page.locator(name).bounding_box()
             for name in (".bar", ".stage", ".camera", ".panels", ".chat", "#stop")
