@@ -34,18 +34,20 @@ SIZE = (50, 150)
 class PtyChat:
     """`ragvlm chat` on a terminal of its own; keys go in, what is shown comes out."""
 
-    def __init__(self, home: Path, *options: str, term: str = "xterm-256color") -> None:
-        """Starts it with its data in `home`."""
+    def __init__(
+        self, home: Path, *options: str, term: str = "xterm-256color", program: tuple[str, ...] = ("app", "chat")
+    ) -> None:
+        """Starts it with its data in `home`; `bench.timed_chat` as the program writes its halts to `home`/halts."""
         self.home = home
         self.raw, self.text, self._seen = "", "", 0
         master, slave = pty.openpty()
         _set_size(slave)
         environment = {
             **os.environ, "RAGVLM_HOME": str(home), "XDG_STATE_HOME": str(home), "TERM": term, "OMP_NUM_THREADS": "1",
-            "PROMPT_TOOLKIT_NO_CPR": "1",
+            "PROMPT_TOOLKIT_NO_CPR": "1", "RAGVLM_HALTS": str(home / "halts"),
         }  # fmt: skip
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "app", "chat", *options], stdin=slave, stdout=slave, stderr=slave, env=environment,
+            [sys.executable, "-m", *program, *options], stdin=slave, stdout=slave, stderr=slave, env=environment,
             start_new_session=True, close_fds=True, preexec_fn=_own_terminal,
         )  # fmt: skip
         os.close(slave)

@@ -27,6 +27,8 @@ SHOWN_WORDS = 240
 """The end of what a model is saying, above the prompt [characters]."""
 SWITCH_S = 0.001
 """How long the thread of the motion keeps a key waiting [s]: of the interpreter's 5 ms a stop would take several."""
+AT_ONCE_S = 0.02
+"""How long the prompt waits for an answer before it is drawn [s]; it stands long before a motion can begin."""
 WHILE_BUSY = ("/stop", "/release", "/quit")
 """Commands that are heard while the robot works; others come after it."""
 
@@ -107,8 +109,8 @@ class Terminal:
         if begins:
             self._worker = threading.Thread(target=self._hear, args=(line,), name="ragvlm-turn", daemon=True)
             self._worker.start()
-            # Most answers come at once; the prompt is drawn again after them rather than before.
-            self._worker.join(0.15)
+            # Some answers come at once; the prompt is drawn after them. No longer: a key would wait for it to be drawn.
+            self._worker.join(AT_ONCE_S)
 
     def _while_busy(self, text: str, line: str) -> None:
         """A line that comes while the robot works."""
@@ -225,6 +227,7 @@ def _prompt_session(refuse_paste: Any, halt: Any) -> PromptSession[str]:
 
         event.current_buffer.insert_text(heard(event.data))
 
+    @keys.add("<sigint>", eager=True)  # what Ctrl-C is while something is printed above the prompt
     @keys.add("c-c", eager=True)
     def _(event: Any) -> None:
         halt()
