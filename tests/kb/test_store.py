@@ -160,12 +160,14 @@ def test_damaged_files_are_refused_with_the_line(file: Path, damage: Callable[[s
 
 
 def test_a_missing_or_binary_file_says_the_mend(tmp_path: Path) -> None:
-    """Neither is the caller's input: the message says how to restore it."""
+    """A file that was named is the caller's input, a folder in its place is a fault; each message says how to mend it."""
     binary = tmp_path / "binary.jsonl"
     binary.write_bytes(b"\xff\xfe\x00\x80")
-    for path in (tmp_path / "none.jsonl", binary, tmp_path):
-        with pytest.raises(EnvironmentFaultError, match="ragvlm kb build"):
+    for path in (tmp_path / "none.jsonl", binary):
+        with pytest.raises(BadInputError, match="ragvlm kb build"):
             ExperienceStore.open(path)
+    with pytest.raises(EnvironmentFaultError, match="ragvlm kb build"):
+        ExperienceStore.open(tmp_path)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")

@@ -95,7 +95,9 @@ def _not_held(sensed: Sensing, target: PerceivedObject) -> list[str]:
     if sensed.held_s < HELD:
         found.append(f"a load was sensed for {sensed.held_s:.1f} s only")
     if sensed.load_end < max(LEAST_LOAD, TOO_LIGHT * target.mass[0]):
-        found.append(f"{max(0.0, sensed.load_end):.3f} kg on the wrist at the end, {target.mass[0]:.3f} expected at least")
+        found.append(
+            f"{max(0.0, sensed.load_end):.3f} kg on the wrist at the end, {target.mass[0]:.3f} expected at least"
+        )
     return found
 
 
