@@ -27,8 +27,6 @@ SHOWN_WORDS = 240
 """The end of what a model is saying, above the prompt [characters]."""
 SWITCH_S = 0.001
 """How long the thread of the motion keeps a key waiting [s]: of the interpreter's 5 ms a stop would take several."""
-AT_ONCE_S = 0.02
-"""How long the prompt waits for an answer before it is drawn [s]; it stands long before a motion can begin."""
 WHILE_BUSY = ("/stop", "/release", "/quit")
 """Commands that are heard while the robot works; others come after it."""
 
@@ -64,7 +62,7 @@ class Terminal:
             with patch_stdout(raw=True):
                 while not self._leaving:
                     try:
-                        line = self._prompt.prompt(self._label)
+                        line = self._prompt.prompt(self._label, pre_run=self._begin)
                         presses = 0
                         self._take(line)  # Ctrl-C right after Enter counts as well
                     except EOFError:
@@ -108,9 +106,14 @@ class Terminal:
                 self._while_busy(text, line)
         if begins:
             self._worker = threading.Thread(target=self._hear, args=(line,), name="ragvlm-turn", daemon=True)
-            self._worker.start()
-            # Some answers come at once; the prompt is drawn after them. No longer: a key would wait for it to be drawn.
-            self._worker.join(AT_ONCE_S)
+
+    def _begin(self) -> None:
+        """Begins the turn once the prompt stands: until then a key would wait for it to be drawn."""
+        worker = self._worker
+        if worker is not None and worker.ident is None:
+            loop = self._prompt.app.loop
+            assert loop is not None
+            loop.call_soon(worker.start)
 
     def _while_busy(self, text: str, line: str) -> None:
         """A line that comes while the robot works."""
@@ -195,8 +198,8 @@ class Terminal:
         """Leaves nothing moving."""
         if self.busy:
             self._talk.conversation.stop()
-            assert self._worker is not None
-            self._worker.join(10.0)
+            if self._worker is not None and self._worker.ident is not None:
+                self._worker.join(10.0)
 
     def _refuse_paste(self, characters: int) -> None:
         self._talk.printer.say(f"error: {characters} characters were pasted; an instruction has at most 10,000")
