@@ -99,7 +99,7 @@ def check(bench: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, moments: np.n
         assert again.stopped_by == "stop"
         assert (world.time, before[2]) == (before[0], float(world.model.actuator_forcerange[world.index.gripper, 1]))
         assert np.array_equal(world.data.qpos, before[1])
-        if held:
+        if held and sensing.phase != "close":  # while the fingers close their force is still rising
             assert bench.opened.robot.grip_force == pytest.approx(bench.grasp.force, rel=0.3)
         bench.opened.stop.release()
     assert float(np.quantile(late, 0.99)) <= PROMISE_S
