@@ -20,12 +20,13 @@ from kb.by_identity import ByIdentity
 from kb.grasp import Grasp, Quality
 from kb.vocabulary import FailureType
 from sim.footprint import geom_points
-from sim.hand import ROUNDING, hand_boxes, swept_distances, swept_least
+from sim.hand import hand_boxes
 from sim.local_width import local_width, near_pads, region_distance
 from sim.placed import Geom, PlacedObject
 from sim.pose import Array, point_in_body, rotation_of
 from sim.quality import REACH_ERROR, Circumstances, Subject, failure_of, grade
 from sim.reach import Unreachable
+from sim.swept_hand import ROUNDING, swept_distances, swept_least
 from sim.world import World
 
 TABLE_ALLOWANCE = 0.001

@@ -16,7 +16,7 @@ from kb.errors import BadInputError
 from kb.grasp import Grasp, GraspField, Provenance
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan
-from sim.hand import swept_clearance
+from sim.swept_hand import swept_clearance
 from tools.context import ToolContext
 from tools.plan_grasp import CLEARANCE, arm_way
 from tools.planning.candidate import Candidate

@@ -14,22 +14,19 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from kb.base import Noun, Vec2, Vec3
+from kb.base import Noun, Vec2
 from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
 from tools.context import ToolContext
+from tools.planning.bin_places import bin_places
 from tools.planning.obstacles import obstacles, set_down_box
 from tools.planning.set_down import (
-    BIN_RAISES,
-    BIN_SLOTS,
     GAP,
-    WALL_ROOM,
     Care,
     Scene,
     SetDown,
     feasible,
-    fits_bin,
     footprint_radius,
     is_free,
     load_points,
@@ -54,8 +51,6 @@ SIDES: dict[Side, Vec2] = {
 """Middles of the table's regions as seen from the robot [m]: y points to its left, x away from it."""
 BESIDE_GAP = 0.05
 """Surface gap wanted when something is put next to something [m]."""
-DROP_FRAGILITY, GENTLE_DROP = 0.3, 0.03
-"""Things at least this fragile must not fall farther than this [m] (benchmark.md section 1: 5 cm damage them)."""
 NEVER_TIPPED = 0.7
 """Things at least this fragile are carried no more crookedly than a gentle way takes them."""
 SLOWEST = 0.15
@@ -246,35 +241,10 @@ def _around(args: PlaceArgs) -> Iterator[Vec2]:
 
 
 def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
-    """Free places in the bin first, as deep as the walls let the hand go; fragile things are not dropped."""
     if args.percept.bin is None:
         raise BadInputError("there is no bin in this scene", where="bin")
-    low, high = args.percept.bin
-    middle = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
-    first = args.slot % len(BIN_SLOTS)
-    gentle = args.object.affordance.fragility >= DROP_FRAGILITY
-    raises = [raised for raised in BIN_RAISES if not gentle or raised <= GENTLE_DROP] or [0.0]
     others = [other for other in (*args.percept.objects, *args.lying) if other.id != args.object.id]
-    # Best with room for what swings or rolls when it is let go, and not on top of what lies in the bin already.
-    slots = [(middle[0] + dx, middle[1] + dy) for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first])]
-    grades = [
-        [_grade(args, option, others, args.percept.bin) for option in set_downs(args.object, args.held, centre, low[2])]
-        for centre in slots
-    ]
-    for wanted in range(4):
-        for centre, graded in zip(slots, grades, strict=True):
-            if wanted in graded:
-                for raised in raises:
-                    options = set_downs(args.object, args.held, centre, low[2] + raised)
-                    yield from (option for option, grade in zip(options, graded, strict=True) if grade == wanted)
-
-
-def _grade(args: PlaceArgs, option: SetDown, others: list[PerceivedObject], corners: tuple[Vec3, Vec3]) -> int:
-    """How much room there is in the bin, whatever the height: 0 most, 2 not enough, 3 not even from the walls."""
-    if not fits_bin(option, args.object, corners):
-        return 3
-    rooms = enumerate((GAP, WALL_ROOM))
-    return next((k for k, gap in rooms if stands_clear(args.object, option, others, gap)), 2)
+    return bin_places(args.object, args.held, others, args.percept.bin, args.slot)
 
 
 def _in_lane(args: PlaceArgs, corners: tuple[Vec2, Vec2]) -> Iterator[SetDown]:

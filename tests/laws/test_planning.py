@@ -12,8 +12,8 @@ from kb.constraint import Adjustment, Constraints
 from kb.grasp import MAX_APERTURE, MAX_FORCE, MIN_FORCE
 from kb.percept import PerceivedObject
 from kb.sensing import Plan
-from sim.hand import swept_clearance
 from sim.quality import maximum_force
+from sim.swept_hand import swept_clearance
 from tests.planning_fixtures import bottle, context, cup, percept, screwdriver, solid
 from tools.plan_grasp import PlanArgs, plan_grasp
 from tools.planning.generate_candidates import generate_candidates

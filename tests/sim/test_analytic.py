@@ -16,8 +16,8 @@ from sim.analytic import AnalyticRobot
 from sim.analytic_observer import AnalyticObserver
 from sim.analytic_outcome import _clearances, cloud
 from sim.catalogue import MODELS
-from sim.hand import swept_distances
 from sim.placed import PlacedObject, PlacedScene, RequiredConstraint, Task
+from sim.swept_hand import swept_distances
 from sim.world import World
 
 

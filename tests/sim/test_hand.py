@@ -11,13 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kb.grasp import Grasp
-from sim.hand import (
+from sim.hand import PALM_ABOVE_TCP, TCP_OFFSET, TIP_BEYOND_TCP, hand_boxes
+from sim.swept_hand import (
     CULL_MARGIN,
-    PALM_ABOVE_TCP,
-    TCP_OFFSET,
-    TIP_BEYOND_TCP,
     Passing,
-    hand_boxes,
     swept_clearance,
     swept_clearances,
     swept_count,

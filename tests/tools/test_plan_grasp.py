@@ -14,8 +14,8 @@ from kb.errors import BadInputError
 from kb.experience import Retrieval
 from kb.percept import PerceivedObject
 from kb.sensing import Correction, Plan
-from sim.hand import swept_clearance
 from sim.quality import minimum_force
+from sim.swept_hand import swept_clearance
 from tests.planning_fixtures import bottle, context, cup, experience, percept, retrieval, screwdriver, solid
 from tools.plan_grasp import PlanArgs, PlanOutcome, plan_grasp
 

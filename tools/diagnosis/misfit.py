@@ -10,8 +10,8 @@ from kb.by_identity import ByIdentity
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.vocabulary import FailureType
-from sim.hand import Passing
 from sim.quality import FIT_ALLOWANCE
+from sim.swept_hand import Passing
 from tools.planning.candidate import TIP_REACH, Array
 from tools.planning.section import section
 from tools.planning.surroundings import own_points

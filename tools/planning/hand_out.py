@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from kb.grasp import Grasp
-from sim.hand import HAND_RADIUS, swept_count
+from sim.swept_hand import HAND_RADIUS, swept_count
 from tools.planning.candidate import Array
 
 HAND_LIFT = 0.12
 """Height above a set-down up to which the hand's way out is looked at [m]."""
 STRAIGHT = 0.003
-"""Sideways part of an approach up to which it surely counts as straight down (`sim.hand.VERTICAL`)."""
+"""Sideways part of an approach up to which it surely counts as straight down (`sim.swept_hand.VERTICAL`)."""
 HAND_GAP = 0.006
 """Distance that the hand keeps from everything while it sets down [m]."""
 

@@ -13,8 +13,9 @@ from kb.experience import Strategy
 from kb.grasp import Grasp
 from kb.percept import PerceivedObject
 from kb.sensing import Correction
-from sim.hand import FULL_LIFT, HAND_RADIUS, Passing, swept_count
+from sim.hand import FULL_LIFT
 from sim.quality import Load
+from sim.swept_hand import HAND_RADIUS, Passing, swept_count
 from tools.planning.candidate import WIDEST_GRIP, Array
 from tools.planning.constrain_candidates import Constrained
 from tools.planning.force_choice import ForceTerms

@@ -32,14 +32,6 @@ TURNS = tuple(math.radians(a) for a in (0, 20, -20, 45, -45, 70, -70, 95, -95, 1
 """Turns of the held object about the vertical that are tried [rad]."""
 DROP = 0.004
 """Height above the support at which the set-down aims [m]; contact is felt for from there."""
-BIN_SLOTS: tuple[Vec2, ...] = (
-    (-0.075, -0.050), (0.075, -0.050), (0.0, 0.060), (0.090, 0.060), (-0.090, 0.060), (0.0, 0.0),
-)  # fmt: skip
-"""Places inside the bin, from its middle [m]; which comes first depends on how much is in already."""
-BIN_RAISES = (0.0, 0.015, 0.03, 0.045, 0.07, 0.11)
-"""How far above the bin's floor things may be let go where the walls stop the hand from going deeper [m]."""
-WALL_ROOM = 0.006
-"""Distance that what is put into the bin keeps from its walls [m]."""
 STRIP_STEP = 0.03
 """Distance of the rows of places in a lane [m]."""
 UPRIGHT_HAND = 0.9
@@ -260,23 +252,6 @@ def load_points(held: PerceivedObject, plan: Plan) -> tuple[Vec3, ...]:
     world: Array = np.array([_turned(point, held.yaw) for point in local.tolist()]) + np.asarray(held.position)
     in_hand = (world - np.asarray(plan.grasp.position)) @ hand_at_grasp(plan)
     return tuple(vec3(in_hand[k] + np.array([0.0, 0.0, TCP_OFFSET])) for k in range(len(in_hand)))
-
-
-def fits_bin(option: SetDown, held: PerceivedObject, corners: tuple[Vec3, Vec3]) -> bool:
-    """Whether the object, turned as it will be, keeps off the walls of the bin."""
-    low, high = corners
-    yaw = held.yaw + option.turn
-    long, short = held.size[0] / 2, held.size[1] / 2
-    half = (
-        abs(math.cos(yaw)) * long + abs(math.sin(yaw)) * short,
-        abs(math.sin(yaw)) * long + abs(math.cos(yaw)) * short,
-    )
-    if held.shape in ("sphere", "bowl"):
-        half = (long, long)
-    return all(
-        low[k] + WALL_ROOM <= option.centre[k] - half[k] and option.centre[k] + half[k] <= high[k] - WALL_ROOM
-        for k in (0, 1)
-    )
 
 
 def points_of(percept: Percept, without: tuple[str, ...] = ()) -> Array:
