@@ -6,6 +6,7 @@ import ipaddress
 import logging
 import signal
 import threading
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from app.web.names import new_thread
 from kb.errors import BadInputError, EnvironmentFaultError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from app.options import RunOptions
 
@@ -38,7 +39,7 @@ def serve(options: RunOptions, *, host: str, port: int, allow_remote: bool) -> i
             choices=("127.0.0.1", "or add --allow-remote"),
         )
     console = make_console()
-    with Site(options, host, port, remote=remote) as site:
+    with Site(options, host, port, remote=remote) as site, _ended_by_signal(site) as over:
         if remote:
             console.print(
                 "warning: this page can be reached from other machines, and its connection is not encrypted",
@@ -47,7 +48,7 @@ def serve(options: RunOptions, *, host: str, port: int, allow_remote: bool) -> i
         console.print(f"session {site.thread}; the page is at", markup=False)
         console.print(site.address, markup=False)
         console.print("Ctrl-C stops the robot and ends", markup=False)
-        _wait(site)
+        over.wait()
     return ACHIEVED
 
 
@@ -157,8 +158,9 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def _wait(site: Site) -> None:
-    """Until Ctrl-C or SIGTERM. The signal stops the robot at once."""
+@contextmanager
+def _ended_by_signal(site: Site) -> Iterator[threading.Event]:
+    """What Ctrl-C and SIGTERM set, from before the address is printed; the signal stops the robot at once."""
     over = threading.Event()
 
     def end(_number: int, _frame: object) -> None:
@@ -171,7 +173,7 @@ def _wait(site: Site) -> None:
     }
     logging.getLogger("ragvlm.web").setLevel(logging.CRITICAL)
     try:
-        over.wait()
+        yield over
     finally:
         for number, handler in former.items():
             signal.signal(number, handler)
