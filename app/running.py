@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from app.console import make_console
 from app.exit_codes import ACHIEVED, INTERRUPTED, NOT_ACHIEVED
 from app.files import refuse_unwritable_file, write_atomically
+from app.garbage import Garbage
 from app.interrupts import StopOnInterrupt
 from kb.errors import BadInputError
 
@@ -57,6 +58,7 @@ def run_once(instruction: str, options: RunOptions) -> int:
         refuse_unwritable_file(Path(str(options.json)), where="--json")
     record = _make_record(options)
     with Session(options) as session:
+        Garbage()
         if session.unfinished == words:
             console.print(f"going on where thread {options.thread} was interrupted")
         if record is not None:

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from bench.chat_faces import PROMPT, Browser, PageChat, PtyChat, cpu_seconds, resident_mb
+from bench.terminal_stops import TerminalStops
 from kb.errors import BadInputError
 
 SCENE = ("--scene", "single_cube", "--seed", "10001")
@@ -115,30 +116,17 @@ def _ready(page: PageChat) -> None:
 
 def stop_terminal(stops: int) -> list[Line]:
     """From the key Ctrl-C to the halt of physics, at random moments; moments in which nothing moved don't count."""
-    rng, taken, missed = np.random.default_rng(2), list[float](), 0
+    taken, missed = list[float](), 0
     with tempfile.TemporaryDirectory() as folder:
-        home = Path(folder)
-        chat = PtyChat(home, *SCENE, "--perception", "oracle", "--thread", "t", program=("bench.timed_chat",))
+        chat = PtyChat(
+            Path(folder), *SCENE, "--perception", "oracle", "--thread", "t", program=("bench.timed_chat",)
+        )  # fmt: skip
         try:
-            chat.expect(PROMPT)
+            face = TerminalStops(chat, np.random.default_rng(2))
             while len(taken) < stops and missed < 3 * stops + 10:
-                chat.type("pick up the cube")
-                if "Plan" not in chat.expect(r"Plan +|Answer +"):  # it is in the hand already
-                    chat.type("put it back")
-                    chat.expect(r"Action +place|Answer +")
-                chat.idle(float(rng.uniform(0.0, 0.3)))  # without a clock to follow a motion takes 0.15 to 0.3 s
-                at = time.time_ns()
-                chat.press("\x03")
-                chat.expect(r"stopped: I hold still|Ctrl-C again or /quit leaves")
-                chat.type("/release")
-                chat.expect(r"released|I was not stopped")
-                halts = (home / "halts").read_text().split() if (home / "halts").exists() else []
-                hit = [int(ns) - at for ns in halts if int(ns) > at]
-                taken += [hit[0] / 1e6] if hit else []
-                missed += not hit
-                if not hit and missed % 4 == 0:  # thrown about, the cube may have come to lie where it cannot be taken
-                    chat.type(f"/scene single_cube {10001 + missed}")
-                    chat.expect(r"I am in scene single_cube")
+                found = face.once()
+                taken += [] if found is None else [found]
+                missed += found is None
         finally:
             chat.close()
     return [_stop_line("stop by Ctrl-C in the terminal", taken)]

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from app.chat.talk import Talk
 from app.exit_codes import ACHIEVED, INTERRUPTED
+from app.garbage import Garbage
 from app.interrupts import StopOnInterrupt
 
 PROMPT = "you> "
@@ -24,9 +25,11 @@ def converse_plainly(talk: Talk, *, interactive: bool) -> int:
         after Ctrl-C or SIGTERM.
     """
     worst, open_question = ACHIEVED, ACHIEVED
+    garbage = Garbage()
     for line in _lines(interactive):
         with StopOnInterrupt(talk.conversation.stop, talk.printer.say) as guard:
             stay = talk.hear(line)
+        garbage.collect()
         if guard.pressed and (not interactive or guard.terminated):
             return INTERRUPTED
         if not line.strip():

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from app.chat.slash import NAMES, command_of
 from app.chat.talk import Talk
 from app.exit_codes import ACHIEVED, INTERRUPTED
+from app.garbage import Garbage
 from kb.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class Terminal:
         self._busy = False
         self._code = ACHIEVED
         self._failure: BaseException | None = None
+        self._garbage = Garbage()
         self._prompt: PromptSession[str] = _prompt_session(self._refuse_paste, self._halt)
         talk.printer.on_words = self._wake
 
@@ -152,6 +154,7 @@ class Terminal:
             self._failure, self._leaving = error, True
         self._busy = self._released = False
         self._wake()
+        self._garbage.collect()
 
     def _over(self) -> bool:
         """Whether nothing is left to be heard; from then on a line begins a turn of its own."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from app.garbage import Garbage
 from app.open_conversation import open_conversation
 from app.web.board import Board
 from app.web.live import Live
@@ -47,7 +48,8 @@ class Desk:
         self._stop_at = 0.0
         self._stop_told = False
         """The page has said itself that the running turn was stopped; the turn need not say it again."""
-        self._worker = Worker(self.refuse, lambda: self._set(busy=False))
+        self._garbage = Garbage()
+        self._worker = Worker(self.refuse, self._over)
 
     # Sessions -----------------------------------------------------------------------------------------------------
 
@@ -216,6 +218,10 @@ class Desk:
         self.pictures.close()
         if self.talk is not None:
             self.talk.close()
+
+    def _over(self) -> None:
+        self._set(busy=False)
+        self._garbage.collect()
 
     # The desk's thread --------------------------------------------------------------------------------------------
 
