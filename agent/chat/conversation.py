@@ -37,7 +37,7 @@ from typing import TYPE_CHECKING, Any, Self
 from agent.chat.heard import heard
 from agent.chat.questions import Questions
 from agent.chat.session_lock import SessionLock
-from agent.chat.sessions import folder_of, threads_file
+from agent.chat.sessions import folder_of, kept_asks, threads_file
 from agent.chat.turns import refused
 from agent.conversation import Agent, begin, checked
 from kb.errors import BadInputError, RagVlmError
@@ -80,7 +80,7 @@ class Conversation(Questions):
             seed: As `build_agent`.
             thread: Name under which everything is kept; None forgets it with the process.
             threads: File that keeps threads (default: in the user's data folder).
-            asks: Ask before every motion.
+            asks: Ask before every motion; a thread whose person wanted it goes on asking.
             options: Further arguments of `build_agent` (brain, perception, evaluator, configuration, dry_run, base_url, ...).
 
         Raises:
@@ -106,7 +106,7 @@ class Conversation(Questions):
             from agent.chat.spans import Spans
 
             agent.config["callbacks"] = [Spans(folder, thread)]
-        talk.asks = asks
+        talk.asks = asks or (folder is not None and kept_asks(folder))
         talk._stand()
         return talk
 

@@ -13,6 +13,9 @@ from agent.checkpoint import default_threads
 from kb.base import Noun
 from kb.errors import BadInputError, EnvironmentFaultError
 
+ASKS = "asks"
+"""An empty file in the folder of a session whose person is asked before every motion."""
+
 
 class SessionInfo(Noun):
     """One session, as listed."""
@@ -93,6 +96,27 @@ def read_card(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return card if isinstance(card, dict) else {}
+
+
+def keep_asks(folder: Path, asks: bool) -> None:
+    """Keeps with the session that its person wants to be asked before every motion; `kept_asks` tells it.
+
+    On a full disk it holds for this process only; the checkpoints, which matter, say so themselves.
+    """
+    path = folder / ASKS
+    try:
+        if asks:
+            folder.mkdir(parents=True, exist_ok=True)
+            path.touch()
+        else:
+            path.unlink(missing_ok=True)
+    except OSError:
+        return
+
+
+def kept_asks(folder: Path) -> bool:
+    """Whether the person wanted to be asked when the session was left."""
+    return (folder / ASKS).is_file()
 
 
 def _info(name: str, steps: int, folder: Path) -> SessionInfo:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from agent.chat.session_lock import SessionLock
-from agent.chat.sessions import write_card
+from agent.chat.sessions import keep_asks, write_card
 from agent.conversation import Agent
 from kb.errors import BadInputError, EnvironmentFaultError, RagVlmError
 
@@ -36,12 +36,14 @@ class Turns:
 
     @property
     def asks(self) -> bool:
-        """Whether the person is asked before every motion; may be set at any time."""
+        """Whether the person is asked before every motion; may be set at any time, and is kept with the session."""
         return self.agent.context.approve
 
     @asks.setter
     def asks(self, wanted: bool) -> None:
         self.agent.context.approve = wanted
+        if self.folder is not None:
+            keep_asks(self.folder, wanted)
 
     @property
     def place(self) -> str:

@@ -72,6 +72,8 @@ def _greet(conversation: Conversation, printer: ChatPrinter, *, told: bool) -> N
     for who, text in conversation.messages[-4:]:
         first = text.splitlines()[0] if text else ""
         printer.say(f"  {'you' if who == 'person' else 'robot'}: {first[:160]}", "dim")
+    if conversation.asks:
+        printer.say("I ask before every motion; /approve off ends that", "dim")
     pending, unfinished = conversation.pending, conversation.unfinished
     if pending is not None:
         grasp = pending.plan.grasp

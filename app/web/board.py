@@ -92,12 +92,15 @@ class Board:
         self.put("graph", [{**row, "telling": number < telling} for number, row in enumerate(order)][:60])
 
     def _on_constrained(self, step: Any) -> None:
-        rows = [
+        self.put("constraints", self._watched(step.constraints))
+
+    def _watched(self, constraints: Any) -> list[dict[str, Any]]:
+        """The lamps of constraints that nobody has measured yet."""
+        return [
             {"kind": c.kind, "target": self.name(c.target), "reason": c.reason, "gap": millimetres(c.gap), "state": "watched",
              "measured": []}
-            for c in step.constraints.active
+            for c in constraints.active
         ]  # fmt: skip
-        self.put("constraints", rows)
 
     def _on_planned(self, step: Any) -> None:
         self.put("plan", None if step.plan is None else plan_panel(step.plan, self.name(step.plan.target)))
@@ -106,13 +109,14 @@ class Board:
         if step.plan is not None:
             self.put("plan", plan_panel(step.plan, self.name(step.plan.target)))
 
-    def restore(self, state: Any) -> None:
-        """The panels of a conversation that was left: what it saw, planned and tried."""
+    def restore(self, state: Any, measured: Sequence[dict[str, Any]]) -> None:
+        """The panels of a conversation that was left: what it saw, planned and tried, and the lamps as last `measured`."""
         with self._lock:
             if state.percept is not None:
                 self._see(state.percept)
             if state.plan is not None:
                 self.put("plan", plan_panel(state.plan, self.name(state.plan.target)))
+                self.put("constraints", list(measured) or self._watched(state.constraints))
 
     # Steps of the conversation ------------------------------------------------------------------------------------
 

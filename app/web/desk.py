@@ -20,8 +20,8 @@ from app.web.live import Live
 from app.web.pictures import Pictures
 from app.web.replays import Replays
 from app.web.rows import candidates_of
-from app.web.status import Status
-from app.web.transcript import Transcript, entry_of
+from app.web.status import Status, status_of
+from app.web.transcript import Transcript, entry_of, world_mark
 from app.web.worker import Worker
 
 if TYPE_CHECKING:
@@ -87,16 +87,12 @@ class Desk:
         self._restore(talk)
         # What the camera shows now, for people only: the robot itself has not looked yet. Its draws are its own.
         self.pictures.look(opened.world.capture(np.random.default_rng(opened.seed)), None)
-        self.status = Status(
-            busy=self.status.busy, stopped=talk.stopped, asks=talk.asks, speed=self.live.speed, place=talk.place,
-            scene=talk.agent.context.scene or opened.scene, seed=opened.seed, thread=talk.agent.thread,
-            unfinished=talk.unfinished,
-        )  # fmt: skip
+        self.status = status_of(talk, busy=self.status.busy, speed=self.live.speed)
         self._tell(self.hello())
 
     def _restore(self, talk: Conversation) -> None:
         """The panels of a session that was left: what it remembers, and what waits for a word."""
-        self.board.restore(talk.state)
+        self.board.restore(talk.state, self.transcript.lamps(world_mark(talk.state)))
         self.board.timeline.open(talk.folder, talk.state, talk.agent.opened.motions)
         self.board.remembered(talk.memory)
         if talk.pending is not None:
@@ -272,6 +268,8 @@ class Desk:
             self.view.rest()
         # The answer is said once: as the turn's last step, with the observer's verdict under it.
         if step.kind != "asked" and (entry := entry_of(step, stopped=self.status.stopped)) is not None:
+            if step.kind == "finished":
+                entry = {**entry, "lamps": self.board.parts["constraints"], "after": world_mark(talk.state)}
             self._enter(entry)
 
     # Telling ------------------------------------------------------------------------------------------------------

@@ -86,6 +86,17 @@ def lamps(watched: Sequence[dict[str, Any]], result: Any) -> list[dict[str, Any]
     return rows or list(watched)
 
 
+def is_lamp(row: Any) -> bool:
+    """Whether it has what a page draws of a constraint; a session's file may hold anything."""
+    keys = ("kind", "target", "reason", "state")
+    return (
+        isinstance(row, dict)
+        and all(isinstance(row.get(key), str) for key in keys)
+        and isinstance(row.get("gap"), int | None)
+        and isinstance(row.get("measured"), list)
+    )
+
+
 def _reason(watched: Sequence[dict[str, Any]], item: Any) -> dict[str, Any]:
     """The watched row that a measured constraint came from; empty if several could be meant.
 

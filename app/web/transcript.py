@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
 
 from app.steps import DETAILS, LABELS
 from app.verdict_block import attempt_line
+from app.web.rows import is_lamp
 
 KEPT = 400
 """Entries shown to a page that opens."""
@@ -64,6 +66,11 @@ def _verdict(result: Any, stopped: bool) -> dict[str, Any] | None:
     return {"kind": "finished", "label": "Verdict", "text": text, "details": lines[:40]}
 
 
+def world_mark(state: Any) -> str:
+    """Short name of the world as the last motion left it, the same in every process; empty while nothing has moved."""
+    return hashlib.sha256(state.world).hexdigest()[:16] if state.world else ""
+
+
 class Transcript:
     """The entries of one session, in memory and on disk."""
 
@@ -73,6 +80,12 @@ class Transcript:
         self._path = None if folder is None else folder / FILE
         if self._path is not None and self._path.is_file():
             self.entries = _read(self._path)
+
+    def lamps(self, mark: str) -> list[dict[str, Any]]:
+        """The constraints as they were measured in the turn that left the world with this mark; empty if none did."""
+        found = next((entry for entry in reversed(self.entries) if mark and entry.get("after") == mark), {})
+        rows = found.get("lamps")
+        return [row for row in rows if is_lamp(row)] if isinstance(rows, list) else []
 
     def add(self, entry: dict[str, Any]) -> None:
         """Appends an entry. On a full disk it is kept in memory; the checkpoints, which matter, say so themselves."""

@@ -75,6 +75,18 @@ def test_another_scene_keeps_what_was_said(tmp_path: Path) -> None:
         assert talk.messages[0] == ("person", "pick up the cup")
 
 
+def test_who_was_asked_before_is_asked_again(tmp_path: Path) -> None:
+    """A session whose person wanted to be asked goes on asking after a restart, until that is switched off."""
+    threads = tmp_path / "threads.sqlite"
+    for given, kept in ((True, True), (False, True), (None, False)):
+        with opened(thread="a", threads=threads, asks=bool(given)) as talk:
+            if given is None:
+                talk.asks = False
+            assert talk.asks is kept
+    with opened(thread="a", threads=threads) as talk:
+        assert not talk.asks
+
+
 def test_a_session_is_one_file(tmp_path: Path) -> None:
     """Exported and imported under another name it goes on, pending approval included; a file that is none is refused."""
     threads, file = tmp_path / "threads.sqlite", tmp_path / "s.zip"

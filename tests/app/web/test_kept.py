@@ -11,7 +11,7 @@ import numpy as np
 from app.timeline import CURVE_POINTS, curve
 from app.web.replays import KEPT, Replays
 from app.web.rows import measurement
-from app.web.transcript import FILE, Transcript, entry_of
+from app.web.transcript import FILE, Transcript, entry_of, world_mark
 from app.web.transcript import KEPT as ENTRIES
 
 
@@ -61,6 +61,25 @@ def test_the_transcript_comes_back_without_what_a_kill_cut_off(tmp_path: Path) -
     assert entries[-1] == _entry(ENTRIES + 19)
     assert len(entries) <= ENTRIES
     assert Transcript(tmp_path / "absent").entries == []
+
+
+def test_lamps_come_back_with_the_world_they_were_measured_in(tmp_path: Path) -> None:
+    """By the world's mark: not those of another branch, and nothing that is no lamp."""
+    lamp = {
+        "kind": "clearance",
+        "target": "vase",
+        "reason": "near",
+        "gap": 12,
+        "state": "kept",
+        "measured": ["moved 0 mm"],
+    }
+    kept = Transcript(tmp_path)
+    for world, rows in ((b"here", [lamp, {"kind": 3}, "text"]), (b"there", [{**lamp, "state": "broken"}])):
+        kept.add({**_entry(0), "lamps": rows, "after": world_mark(SimpleNamespace(world=world))})
+    again = Transcript(tmp_path)
+    assert again.lamps(world_mark(SimpleNamespace(world=b"here"))) == [lamp]
+    assert again.lamps(world_mark(SimpleNamespace(world=b"there")))[0]["state"] == "broken"
+    assert again.lamps(world_mark(SimpleNamespace(world=b""))) == []
 
 
 def test_a_folder_that_cannot_be_written_costs_nothing_in_memory(tmp_path: Path) -> None:
