@@ -48,7 +48,7 @@ def draw_scene(spec: SceneSpec, seed: int, *, noise: float = 1.0) -> PlacedScene
     Raises:
         BadInputError: an object overlaps another, hangs off the table, is out of reach, or no placement was found.
     """
-    root = np.random.SeedSequence([seed, digest(spec.name)])
+    root = np.random.SeedSequence([seed, digest(spec.like or spec.name)])
     vary, place, look, cameras, contents, instances = root.spawn(6)
     family = family_of(spec)
     spec = spec.model_copy(update={"randomise": scaled(spec.randomise, noise)})

@@ -19,6 +19,9 @@ Range = tuple[Finite, Finite]
 RESERVED_IDS = ("table", "floor", "robot", "world", "particle")
 
 
+NAME_OF_SCENE = r"^[A-Za-z0-9_][A-Za-z0-9_\-. ]{0,63}$"
+
+
 class ObjectSpec(Noun):
     """One object of a scene. What is left out is drawn or comes from the catalogue."""
 
@@ -113,9 +116,11 @@ class Source(Noun):
 class SceneSpec(Noun):
     """A scene as a file describes it."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_\-. ]{0,63}$")]
+    name: Annotated[str, Field(pattern=NAME_OF_SCENE)]
     objects: tuple[ObjectSpec, ...] = Field(min_length=1, max_length=40)
     randomise: Randomise = Field(default_factory=Randomise)
+    like: Annotated[str, Field(pattern=NAME_OF_SCENE)] | None = None
+    """Scene whose instances (sizes, colours, masses, light) the same seed draws here, too; a changed copy has its original's."""
     separation: Annotated[Finite, Field(ge=0.0, le=0.3)] = 0.02
     """Smallest free distance between objects whose places are drawn and that have no `near` or `on` relation [m]."""
     task: TaskSpec | None = None

@@ -209,9 +209,8 @@ class Desk:
         """Stops the robot and ends the thread."""
         if self.talk is not None:
             self.talk.stop()
-        self._worker.close()
-        self.live.close()
-        self.pictures.close()
+        for part in (self._worker, self.live, self.pictures):
+            part.close()
         if self.talk is not None:
             self.talk.close()
 

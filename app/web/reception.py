@@ -214,7 +214,9 @@ class Reception:
                 desk.change(thread=new_thread(desk.status.scene), scene=desk.status.scene, seed=desk.status.seed)
             case "add":
                 status = desk.status
-                desk.order(lambda: desk.move_to(scene_with(status.scene, order.model, order.position), status.seed))
+                opened = None if desk.talk is None else desk.talk.agent.opened
+                added = (status.scene, order.model, order.position, opened)
+                desk.order(lambda: desk.move_to(scene_with(*added), status.seed))
             case "session" if order.action == "open":
                 desk.change(scene=None, seed=None, thread=order.thread)
             case "session":

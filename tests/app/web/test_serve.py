@@ -84,13 +84,21 @@ def test_the_page_has_the_options_of_a_conversation(monkeypatch: Any) -> None:
 
 
 def test_an_added_object_is_a_scene_of_its_own(tmp_path: Any, monkeypatch: Any) -> None:
-    """Adding writes a scene file that holds all there was and the new object; unknown models and bad places are refused."""
+    """Adding writes a scene file that holds all there was, as it was, and the new object; unknown models and bad places are refused."""
     from sim.draw_scene import draw_scene
     from sim.scene_file import load_scene
+    from tools.open_world import open_world
 
     monkeypatch.setenv("RAGVLM_HOME", str(tmp_path))
     first = scene_with("cup_near_vase", "tennis_ball", (0.6, 0.2))
     second = scene_with(first, "tennis_ball", None)
+    opened = open_world("cup_near_vase", 3)
+    before = {thing.id: thing for thing in opened.placed.objects}
+    after = draw_scene(load_scene(scene_with("cup_near_vase", "apple", None, opened)), 3)
+    for thing in after.objects[:-1]:
+        assert thing.position == pytest.approx(before[thing.id].position, abs=1e-6)
+        assert (*thing.size, thing.mass) == pytest.approx((*before[thing.id].size, before[thing.id].mass))
+        assert [geom.rgba for geom in thing.geoms] == [geom.rgba for geom in before[thing.id].geoms]
     placed = draw_scene(load_scene(second), 3)
     assert [thing.id for thing in placed.objects] == ["cup", "vase", "tennis_ball_1", "tennis_ball_2"]
     assert placed.objects[2].position[:2] == pytest.approx((0.6, 0.2))
