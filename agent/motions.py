@@ -71,7 +71,8 @@ def act(state: State, runtime: Run) -> Update:
         )
     )
     context.world.moving()
-    args = ExecuteArgs(plan=state.plan, percept=state.percept, target=state.goal.target)
+    weigh = state.correction is not None and state.correction.weigh
+    args = ExecuteArgs(plan=state.plan, percept=state.percept, target=state.goal.target, weigh=weigh)
     with context.timed("execution", times):
         sensing = execute_grasp(args, context.tool("act", number))
     motion = opened.motions

@@ -75,7 +75,8 @@ def rerun(context: AgentContext, attempt: Attempt, plan: Plan, *, pictures: bool
     """
     tools = _apart(context, attempt)
     percept = _percept(attempt)
-    sensing = execute_grasp(ExecuteArgs(plan=plan, percept=percept, target=attempt.target.id), tools)
+    weigh = attempt.correction is not None and attempt.correction.weigh
+    sensing = execute_grasp(ExecuteArgs(plan=plan, percept=percept, target=attempt.target.id, weigh=weigh), tools)
     views = tuple(tools.robot.look(draws(context.seed, "whatif", attempt.number))) if pictures else ()
     diagnosis = classify_failure(
         ClassifyArgs(

@@ -118,6 +118,8 @@ class Percept(Noun):
     perception: PerceptionName
     """Which perceiver made it; "oracle" reads the simulator's truth and must be labelled so wherever it is shown."""
     objects: tuple[PerceivedObject, ...]
+    noise: Finite = 1.0
+    """Depth noise of the pictures over the ordinary one, as measured in them; at least 1."""
     bin: tuple[Vec3, Vec3] | None = None
     """Lower and upper corner of the inside of the bin beside the table [m], known to the robot from its set-up."""
 

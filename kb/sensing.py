@@ -140,6 +140,10 @@ class Correction(Noun):
     """Region to switch to, if the rule says so."""
     exclude: tuple[str, ...] = ()
     """Candidates or experiences not to be used again."""
+    avoid_regions: tuple[str, ...] = ()
+    """Regions to leave alone if any other can be grasped."""
+    weigh: bool = False
+    """It slipped or was dropped before: the next lift begins with a test lift that finds the force."""
     reobserve: bool = True
     margin: Finite = 1.0
 

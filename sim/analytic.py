@@ -69,9 +69,10 @@ class AnalyticRobot(Robot):
         lift: float = FULL_LIFT,
         most_force: float | None = None,
         creep: float = 0.0,
+        creep_speed: float = 0.0,
     ) -> Sensing:
         """As `Robot.grasp`; the outcome follows from the true scene."""
-        del joints, obstacles, shake, most_force, creep
+        del joints, obstacles, shake, most_force, creep, creep_speed
         if self.holding:
             raise BadInputError("the hand already holds something; place or release it first", where="grasp")
         self.world.attempt += 1

@@ -121,7 +121,14 @@ def arrive(motion: MotionRun, grasp: Grasp, transit: Transit, force_limit: float
         motion.run(hold(motion.commanded, grasp.aperture, opened / 0.1 + 0.05), "transit")
 
 
-def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float, creep: float = 0.0) -> None:
+def approach(
+    motion: MotionRun,
+    grasp: Grasp,
+    reach: Reach,
+    force_limit: float,
+    creep: float = 0.0,
+    creep_speed: float = CREEPING,
+) -> None:
     """Straight approach with the force reflex; on contact the arm stops, backs off, and the motion ends.
 
     Args:
@@ -129,9 +136,10 @@ def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float, 
         grasp: Stand-off, speed and opening.
         reach: Joint angles of the approach.
         force_limit: Wrist force of the reflex [N].
-        creep: Last stretch [m] that the hand goes at `CREEPING`, where it may land on the thing.
+        creep: Last stretch [m] that the hand goes slowly, where it may land on the thing.
+        creep_speed: Peak speed of that stretch [m/s].
     """
-    samples = approach_samples(grasp, reach, creep)
+    samples = approach_samples(grasp, reach, creep, creep_speed)
     seconds = TIMESTEP * len(samples)
     gone = motion.run_guarded(samples, grasp.aperture, "approach", force_limit, back=seconds)
     rest = motion.run(hold(reach.joints, grasp.aperture, 0.04), "approach")
@@ -142,14 +150,14 @@ def approach(motion: MotionRun, grasp: Grasp, reach: Reach, force_limit: float, 
     )
 
 
-def approach_samples(grasp: Grasp, reach: Reach, creep: float) -> Array:
+def approach_samples(grasp: Grasp, reach: Reach, creep: float, creep_speed: float) -> Array:
     """Joint samples (T, 7) of the approach; the last `creep` metres of it slowly."""
     seconds = approach_time(grasp.standoff, grasp.speed)
     share = 1.0 - creep / grasp.standoff
     if creep <= 0.0 or share < 0.2:
         return along(reach.approach, seconds)
     quick = along(part(reach.approach, 0.0, share), approach_time(grasp.standoff - creep, grasp.speed))
-    slow = along(part(reach.approach, share, 1.0), max(approach_time(creep, 1.0), 15.0 / 8.0 * creep / CREEPING))
+    slow = along(part(reach.approach, share, 1.0), max(approach_time(creep, 1.0), 15.0 / 8.0 * creep / creep_speed))
     return np.concatenate([quick, slow])
 
 

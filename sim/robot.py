@@ -18,7 +18,7 @@ from kb.grasp import Grasp
 from kb.rgbd import RgbdView
 from kb.sensing import Sensing
 from sim.controller import hold
-from sim.grasp_motion import approach, arrive, close, hold_and_shake, lift_up, plan
+from sim.grasp_motion import CREEPING, approach, arrive, close, hold_and_shake, lift_up, plan
 from sim.hand import FULL_LIFT
 from sim.kinematics import forward
 from sim.motion import Obstacle
@@ -95,6 +95,7 @@ class Robot:
         lift: float = FULL_LIFT,
         most_force: float | None = None,
         creep: float = 0.0,
+        creep_speed: float = CREEPING,
     ) -> Sensing:
         """Moves to the grasp, closes, lifts, holds and shakes; a success ends holding the object in the air.
 
@@ -108,6 +109,7 @@ class Robot:
             most_force: If given, the first two centimetres are a test lift, and what slips is gripped harder, up to
                 this force per finger [N].
             creep: Last stretch of the approach [m] that is gone slowly, because the hand may land on the thing.
+            creep_speed: Peak speed of that stretch [m/s].
 
         Raises:
             BadInputError: the hand already holds something.
@@ -119,7 +121,7 @@ class Robot:
         try:
             reach, transit = plan(motion, grasp, joints, obstacles, lift)
             arrive(motion, grasp, transit, force_limit)
-            approach(motion, grasp, reach, force_limit, creep)
+            approach(motion, grasp, reach, force_limit, creep, creep_speed)
             close(motion, grasp, reach)
             if lift_up(motion, grasp, reach, most_force):
                 hold_and_shake(motion, reach, shake)

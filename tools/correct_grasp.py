@@ -24,6 +24,8 @@ MOVED_PLACES: frozenset[FailureType] = frozenset(
     {"COLLISION", "APPROACH_ANGLE", "ORIENTATION", "UNREACHABLE_POSE", "CONSTRAINT_VIOLATION"}
 )
 """Failures that say the place was wrong, so that the same candidate isn't tried again."""
+TOO_WEAK: frozenset[FailureType | None] = frozenset({"SLIP", "DROP"})
+"""Failures that say that the category did not tell the weight."""
 LEARNT_MARGIN = 1.1
 """Distance kept from forces that are known to fail, as a factor."""
 SQUEEZED_OUT = 0.6
@@ -58,10 +60,13 @@ def correct_grasp(args: CorrectArgs, context: ToolContext) -> Correction:
         Changes to be applied by `plan_grasp` on freshly perceived geometry.
     """
     if args.level == 1:
-        return _tune(args)
-    if args.level == 2:
-        return _rotate_type(args)
-    return _replan(args, context)
+        correction = _tune(args)
+    elif args.level == 2:
+        correction = _rotate_type(args)
+    else:
+        correction = _replan(args, context)
+    failures = {args.failure, *(getattr(entry, "failure", None) for entry in args.history)}
+    return correction.model_copy(update={"weigh": bool(failures & TOO_WEAK)})
 
 
 def _tune(args: CorrectArgs) -> Correction:
@@ -117,6 +122,7 @@ def _rotate_type(args: CorrectArgs) -> Correction:
     return _tidy(args, Correction(
         failure=args.failure, level=2, rule=f"type {current} -> {chosen}, force x {LEVEL2_FORCE_SCALE:g}",
         changes={"type": chosen, "force": force}, exclude=_all_excluded(args, (args.plan.candidate,)),
+        avoid_regions=missed_regions(args),
     ))  # fmt: skip
 
 
@@ -134,8 +140,14 @@ def _replan(args: CorrectArgs, context: ToolContext) -> Correction:
     exclude = _all_excluded(args, (args.plan.candidate, *used_experiences(args.plan)))
     return Correction(
         failure=args.failure, level=3, rule="plan anew from the next experience, position +- 1 cm", offset=offset,
-        exclude=exclude,
+        exclude=exclude, avoid_regions=missed_regions(args),
     )  # fmt: skip
+
+
+def missed_regions(args: CorrectArgs) -> tuple[str, ...]:
+    """Regions that were met elsewhere than seen twice, the second time after a new look: they are not what they seem."""
+    missed = [entry.region for entry in args.history if getattr(entry, "failure", None) == "POSITION_ERROR"]
+    return tuple(dict.fromkeys(region for region in missed if missed.count(region) > 1))
 
 
 def used_experiences(plan: Plan) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from kb.grasp import MIN_FORCE
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
 from kb.vocabulary import UNKNOWN_CATEGORY
+from sim.grasp_motion import CREEPING
 from sim.hand import TIP_BEYOND_TCP
 from sim.quality import maximum_force
 from tools.context import ToolContext
@@ -17,12 +18,16 @@ from tools.planning.obstacles import obstacles
 
 ABORT_FORCE = 30.0
 """Wrist force at which the reflex stops the hand [N] (benchmark.md section 3)."""
+CAUTIOUS_FORCE = 5.0
+"""The same where pictures are noisy [N]."""
 LANDING = 50.0
 """Force with which a fingertip lands on a flat thing at full speed, at least [N]."""
 STEEP = 0.7
 """Cosine to straight down up to which an approach comes from above."""
 LEAST_CREEP, MOST_CREEP, SEEN_EARLY = 0.015, 0.040, 0.008
 """Limits of the slow stretch, and how much earlier than the perceived upper side it begins [m]."""
+MOST_OF_STANDOFF = 0.75
+"""Share of the stand-off that is gone slowly at most."""
 LIFT_PEAK = 0.87
 """Share of the damage force that a grip raised during the test lift may take: lifting and shaking press a seventh more."""
 
@@ -35,6 +40,8 @@ class ExecuteArgs(Noun):
     """The look that the plan was made on: everything else on the table is kept clear of."""
     target: str
     """Perceived id."""
+    weigh: bool = False
+    """It slipped or was dropped before, so its category does not tell its weight: the test lift finds the force."""
 
 
 def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
@@ -61,33 +68,39 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         args.plan.grasp,
         joints=args.plan.joints or None,
         obstacles=obstacles(args.percept),
-        force_limit=abort_force(target),
+        force_limit=abort_force(target, args.percept.noise),
         lift=lift_height(args.plan.grasp.position, others),
-        most_force=None if args.plan.own_force is not None else trial_lift_cap(target, args.plan.region),
-        creep=creep(args.plan, target),
+        most_force=None
+        if args.plan.own_force is not None
+        else trial_lift_cap(target, args.plan.region, weigh=args.weigh),
+        creep=creep(args.plan, target, args.percept.noise),
+        creep_speed=CREEPING / args.percept.noise,
     )
 
 
-def creep(plan: Plan, target: PerceivedObject) -> float:
-    """Last stretch of an approach from above [m] that is gone slowly; 0 for what bears a fingertip landing at full speed.
+def creep(plan: Plan, target: PerceivedObject, noise: float = 1.0) -> float:
+    """Last stretch of the approach [m] that is gone slowly; 0 for what bears a fingertip landing at full speed.
 
-    It begins before the tips reach the upper side of the thing.
+    From above it begins before the tips reach the upper side of the thing. The noisier the pictures (`Percept.noise`), the
+    earlier; in pictures with more than ordinary noise anything may be met before it is seen, from the side as well.
     """
     grasp, most = plan.grasp, max(target.affordance.fragility, *(target.fragility_range or (0.0,)))
+    if noise > 1.0:
+        return min(MOST_OF_STANDOFF * grasp.standoff, MOST_CREEP * noise)
     if grasp.approach[2] > -STEEP or maximum_force(most) >= LANDING:
         return 0.0
     deep = (target.top_z - grasp.position[2] + TIP_BEYOND_TCP) / -grasp.approach[2]
     return min(MOST_CREEP, max(LEAST_CREEP, deep + SEEN_EARLY))
 
 
-def trial_lift_cap(target: PerceivedObject, region: str = "body") -> float | None:
+def trial_lift_cap(target: PerceivedObject, region: str = "body", *, weigh: bool = False) -> float | None:
     """Force up to which a test lift may raise the grip [N]; None where nothing is to be learnt from it.
 
-    The category of a known thing tells weight and friction. What hangs by a loop may turn until its weight is below the
+    The category of a known thing tells weight and friction, unless it has slipped (`weigh`). What hangs by a loop may turn until its weight is below the
     hand; pressing harder against that would only break the loop.
     """
     if target.category != UNKNOWN_CATEGORY:
-        return None
+        return force_cap(target.affordance.fragility) if weigh else None
     part = target.part("handle") if region == "handle" else None
     if part is not None and part.outward is not None:
         return None
@@ -98,6 +111,9 @@ def trial_lift_cap(target: PerceivedObject, region: str = "body") -> float | Non
     return force_cap(max(target.affordance.fragility, middle))
 
 
-def abort_force(target: PerceivedObject) -> float:
-    """Force on the hand before closing that stops it [N]: the lower of 30 N and half of what the target bears."""
-    return min(ABORT_FORCE, 0.5 * maximum_force(target.affordance.fragility))
+def abort_force(target: PerceivedObject, noise: float = 1.0) -> float:
+    """Force on the hand before closing that stops it [N]: the lower of 30 N and half of what the target bears.
+
+    In pictures with more than ordinary noise nobody knows what is met: what a creeping hand can tell from its own weight.
+    """
+    return min(ABORT_FORCE if noise <= 1.0 else CAUTIOUS_FORCE, 0.5 * maximum_force(target.affordance.fragility))

@@ -122,7 +122,11 @@ def plan_grasp(args: PlanArgs, context: ToolContext) -> PlanOutcome:
         spare=context.alternatives,
         rejected=rejected,
     )
-    found = _search(search, pool, chain, args)
+    avoided = correction.avoid_regions if correction else ()
+    elsewhere = [item for item in pool if item.candidate.region not in avoided]
+    found = _search(search, elsewhere, chain, args) if avoided else None
+    if found is None:
+        found = _search(search, pool, chain, args)
     if found is None:
         return PlanOutcome(
             plan=None, reason=_why_none(rejected, len(candidates)), rejected=dict(sorted(rejected.items()))

@@ -84,7 +84,7 @@ class RgbdPerceiver:
         look = take_apart(views)
         found = [item for item in Merger(look, self._references, args.nouns).objects() if _is_real(item, look)]
         objects = [self._describe(item, look) for item in found]
-        return Percept(look=args.look, perception="rgbd", objects=track_ids(objects, args.previous))
+        return Percept(look=args.look, perception="rgbd", objects=track_ids(objects, args.previous), noise=look.noise)
 
     def _describe(self, item: Candidate, look: Look) -> PerceivedObject:
         measured, judgement = item.measured, item.judgement
