@@ -161,3 +161,33 @@ def test_places_that_failed_before_stay_excluded() -> None:
 def test_used_experiences_are_read_from_the_provenance() -> None:
     """The ids in the plan's provenance."""
     assert used_experiences(a_plan()) == ("e-1",)
+
+
+@pytest.mark.parametrize("level", [2, 3])
+def test_a_region_that_was_missed_twice_is_left_alone(level: int) -> None:
+    """Met elsewhere than seen, and again after a new look: the region is not what it seems; once may be a bad picture."""
+    plan = a_plan()
+    once = SimpleNamespace(candidate="rim/a", region="rim", failure="POSITION_ERROR", grasp=plan.grasp, experiences=())
+    other = SimpleNamespace(candidate="body/a", region="body", failure="SLIP", grasp=plan.grasp, experiences=())
+    for history, avoided in (
+        ((once,), ()),
+        ((once, other), ()),
+        ((once, once), ("rim",)),
+        ((once, other, once), ("rim",)),
+    ):
+        args = CorrectArgs(
+            failure="POSITION_ERROR", level=level, plan=plan, evidence=Evidence(sensing=Sensing()), history=history
+        )
+        assert correct_grasp(args, context()).avoid_regions == avoided
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_what_slipped_is_weighed_at_the_next_lift(level: int) -> None:
+    """After a slip or a drop, also an earlier one of the same goal; a missed place says nothing of the weight."""
+    slipped = SimpleNamespace(candidate="body/a", region="body", failure="SLIP", experiences=())
+    assert corrected("DROP", level).weigh
+    assert not corrected("POSITION_ERROR", level).weigh
+    args = CorrectArgs(
+        failure="POSITION_ERROR", level=level, plan=a_plan(), evidence=Evidence(sensing=Sensing()), history=(slipped,)
+    )
+    assert correct_grasp(args, context()).weigh

@@ -10,9 +10,19 @@ import pytest
 from kb.errors import BadInputError
 from kb.sensing import Sensing
 from sim.hand import FULL_LIFT
+from sim.quality import maximum_force
 from tests.planning_fixtures import context, cup, percept, solid
 from tools.context import ToolContext
-from tools.execute_grasp import LEAST_CREEP, MOST_CREEP, ExecuteArgs, abort_force, creep, execute_grasp
+from tools.execute_grasp import (
+    CAUTIOUS_FORCE,
+    LEAST_CREEP,
+    MOST_CREEP,
+    ExecuteArgs,
+    abort_force,
+    creep,
+    execute_grasp,
+    trial_lift_cap,
+)  # fmt: skip
 from tools.open_world import open_perceiver, open_world
 from tools.perceive import PerceiveArgs, perceive
 from tools.plan_grasp import PlanArgs, plan_grasp
@@ -68,6 +78,32 @@ def test_the_last_stretch_onto_fragile_things_is_slow() -> None:
     from_above = gentle.model_copy(update={"grasp": gentle.grasp.model_copy(update={"approach": (0.0, 0.0, -1.0)})})
     assert LEAST_CREEP <= creep(from_above, fragile) <= MOST_CREEP
     assert creep(quick, sturdy) == 0.0
+
+
+def test_in_noisy_pictures_the_hand_is_careful_with_everything() -> None:
+    """With more than ordinary noise it creeps onto a cube as well, longer the more noise there is, and stops at 5 N."""
+    sturdy = solid("t", "cube", 0.5, 0.1)
+    seen = percept(sturdy)
+    plan = plan_grasp(PlanArgs(percept=seen, target="t"), context()).plan
+    assert plan is not None
+    assert 0.0 < creep(plan, sturdy, 1.5) <= creep(plan, sturdy, 3.0) < plan.grasp.standoff
+    assert abort_force(sturdy, 2.0) == CAUTIOUS_FORCE < abort_force(sturdy)
+    speeds = []
+    for noise in (1.0, 2.0):
+        robot = Recorder()
+        noisy = seen.model_copy(update={"noise": noise})
+        execute_grasp(ExecuteArgs(plan=plan, percept=noisy, target="t"), ToolContext(robot=robot))
+        speeds.append(robot.calls[0][1]["creep_speed"])
+    assert speeds[1] == pytest.approx(speeds[0] / 2)
+
+
+def test_what_slipped_is_lifted_on_trial() -> None:
+    """A known thing's weight is not in question, until it slips: then the grip may rise to what such things bear."""
+    known = solid("t", "bottle", 0.5, 0.1)
+    assert trial_lift_cap(known) is None
+    most = trial_lift_cap(known, weigh=True)
+    assert most is not None
+    assert 0.0 < most < maximum_force(known.affordance.fragility)
 
 
 def test_an_unknown_target_is_refused() -> None:

@@ -185,6 +185,20 @@ def test_the_next_experience_serves_when_the_first_has_no_place() -> None:
     assert plan.provenance["force"][0].id == "good"
 
 
+def test_a_region_to_be_avoided_is_taken_only_if_there_is_no_other() -> None:
+    """A cup's rim that was missed twice gives way to its handle; where all it has is to be avoided, one of them is taken."""
+    seen = cup("t", 0.5, 0.1)
+    known = retrieval(experience("good", seen, region="rim"))
+
+    def avoiding(*regions: str) -> Plan:
+        correction = Correction(failure="POSITION_ERROR", level=2, rule="r", avoid_regions=regions)
+        return planned(seen, retrieval=known, correction=correction)
+
+    assert avoiding().region == "rim"
+    assert avoiding("rim").region not in ("rim", "")
+    assert avoiding("rim", "handle", "body").region == "rim"
+
+
 def test_what_failed_in_the_same_category_is_avoided() -> None:
     """A negative experience turns the choice between two equally suggested ways."""
     seen = cup("t", 0.5, 0.1)
