@@ -69,7 +69,7 @@ class AgentContext:
 
     def tool(self, purpose: str, count: int) -> ToolContext:
         """The tool context for one call; its draws follow from the seed, the purpose and the count alone."""
-        return self.tools.with_rng(draws(self.seed, purpose, count))
+        return self.tools.with_draws(lambda: draws(self.seed, purpose, count))
 
     @contextmanager
     def timed(self, stage: str, times: dict[str, float]) -> Iterator[None]:

@@ -13,13 +13,15 @@ Array = NDArray[np.float64]
 def rotation_of(quaternions: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
     q = np.asarray(quaternions, float)
-    w, x, y, z = (q[..., i] for i in range(4))
+    alone = q.ndim == 1
+    # One quaternion alone, as most are, is reckoned in plain numbers: the same sums in a tenth of the time.
+    w, x, y, z = q.tolist() if alone else (q[..., i] for i in range(4))
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return np.array(rows) if alone else np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def point_in_world(pose: ArrayLike, point: ArrayLike) -> Array:

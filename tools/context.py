@@ -6,6 +6,7 @@ A context is injected, never checkpointed, and holds no truth about the world: o
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -42,3 +43,20 @@ class ToolContext:
     def with_rng(self, rng: np.random.Generator) -> ToolContext:
         """The same context with another generator, so that a call's draws depend on its purpose and count only."""
         return dataclasses.replace(self, rng=rng)
+
+    def with_draws(self, draws: Callable[[], np.random.Generator]) -> ToolContext:
+        """As `with_rng`, with a generator that is made when it is first asked for: few calls draw anything."""
+        other = object.__new__(type(self))
+        vars(other).update(vars(self))
+        vars(other).pop("rng", None)
+        vars(other)["_draws"] = draws
+        return other
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The generator that `with_draws` promised, kept from now on; there is no other attribute to be found here."""
+            if name != "rng" or "_draws" not in vars(self):
+                raise AttributeError(name)
+            self.rng = vars(self)["_draws"]()
+            return self.rng
