@@ -7,8 +7,9 @@ limits, and keep the arm's links off the table.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,10 +75,18 @@ class Reach:
 class Unreachable:
     """No configuration makes the motion."""
 
-    residual: float
-    """Distance of the nearest possible tool pose from the wanted one [m] (0 if only the path is impossible)."""
+    measured: float | Callable[[], float]
+    """`residual`, or what reckons it."""
     reason: str
     """"grasp", "approach" or "lift": the first part that cannot be reached; "table": an arm link would touch it."""
+
+    @cached_property
+    def residual(self) -> float:
+        """Distance of the nearest possible tool pose from the wanted one [m] (0 if only the path is impossible).
+
+        Finding it takes longer than finding that there is no way, and planning never asks.
+        """
+        return self.measured() if callable(self.measured) else self.measured
 
 
 def solve_reach(grasp: Grasp, start: Array | None = None, *, lift: float = FULL_LIFT) -> Reach | Unreachable:
@@ -119,7 +128,7 @@ def _solve(grasp: Grasp, start: Array, lift: float, options: int) -> tuple[Reach
     poses = (grasp_pose(grasp), flipped(grasp_pose(grasp)))
     ranked = list(_ranked(poses, start))
     if not ranked:
-        return Unreachable(_residual(poses, start), "grasp")
+        return Unreachable(lambda: _residual(poses, start), "grasp")
     result: tuple[Reach, ...] | Unreachable = Unreachable(0.0, "lift")
     for height in _heights(lift):
         if any(_exists(pose, height, start) for pose in poses):

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from kb.base import Noun, Vec2
+from kb.by_identity import ByIdentity
 from kb.errors import BadInputError
 from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
@@ -139,6 +140,19 @@ def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
 
 
 def _chosen(args: PlaceArgs, context: ToolContext) -> SetDown | None:
+    """As `choose_place`, kept: configurations of a trial that hold the same thing alike ask for the same place."""
+    place = args.kind, args.point, args.side, args.reference, args.relation, args.slot, args.keep_in
+    hand = args.held.grasp, args.held.joints, tuple(context.robot.joints), getattr(context.robot, "has_arm", True)
+    around = (*args.percept.objects, args.object, *args.lying)
+    also = len(args.lying), args.percept.bin, place, hand
+    return _places.get(around, also, lambda: _found(args, context))
+
+
+_places: ByIdentity[SetDown | None] = ByIdentity(16)
+"""Everything perceived, what is held, where to and how -> the place."""
+
+
+def _found(args: PlaceArgs, context: ToolContext) -> SetDown | None:
     without = (args.object.id,)
     known = args.percept.model_copy(update={"objects": (*args.percept.objects, *args.lying)})
     scene = Scene(

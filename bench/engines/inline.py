@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 
 from bench.job import Job
 from bench.row import Row
-from bench.run_job import run_job
+from bench.run_job import run_job, tidied_here
 
 
 def run_inline(jobs: Sequence[Job]) -> Iterator[Row]:
     """All rows of all jobs, in order."""
-    for job in jobs:
-        yield from run_job(job)
+    with tidied_here():
+        for job in jobs:
+            yield from run_job(job)

@@ -171,16 +171,17 @@ def _work(pipe: Connection) -> None:
     # Ctrl-C goes to the whole group; the parent decides what becomes of the workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow_parent, daemon=True).start()
-    from bench.run_job import run_job
+    from bench.run_job import run_job, tidied_here
 
-    while True:
-        try:
-            job: Job = pipe.recv()
-        except (EOFError, OSError):
-            return
-        for row in run_job(job):
-            pipe.send(row)
-        pipe.send(None)
+    with tidied_here():
+        while True:
+            try:
+                job: Job = pipe.recv()
+            except (EOFError, OSError):
+                return
+            for row in run_job(job):
+                pipe.send(row)
+            pipe.send(None)
 
 
 def _follow_parent() -> None:
