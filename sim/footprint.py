@@ -11,12 +11,13 @@ from sim.placed import Geom, PlacedObject
 
 Array = NDArray[np.float64]
 _ANGLES = np.arange(32) * (2 * np.pi / 32)
+_SIGNS = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], float)
 _CIRCLE = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])
 
 
 def rotation(quaternion: tuple[float, float, float, float]) -> Array:
     """Rotation matrix (3, 3) of a quaternion (w, x, y, z), which need not be of unit length."""
-    w, x, y, z = np.asarray(quaternion, float) / np.linalg.norm(quaternion)
+    w, x, y, z = (np.asarray(quaternion, float) / np.linalg.norm(quaternion)).tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -31,8 +32,7 @@ def geom_points(geom: Geom) -> Array:
     if geom.type == "mesh":
         local = np.asarray(geom.vertices, float)
     elif geom.type == "box":
-        signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)], float)
-        local = signs * np.asarray(geom.size)
+        local = _SIGNS * np.asarray(geom.size)
     elif geom.type == "cylinder":
         radius, half = geom.size
         ring = np.column_stack([_CIRCLE * radius, np.zeros(32)])
@@ -64,7 +64,7 @@ def world_points(thing: PlacedObject) -> Array:
 
 def hull(points: Array) -> Array:
     """Convex hull of points in the plane (N, 2), counter-clockwise (M, 2) (Andrew's monotone chain)."""
-    order = np.unique(np.round(points, 9), axis=0).tolist()
+    order = _ordered(points).tolist()
     if len(order) < 3:
         return np.asarray(order)
     chains: list[list[list[float]]] = []
@@ -81,6 +81,12 @@ def hull(points: Array) -> Array:
             chain.append(point)
         chains.append(chain[:-1])
     return np.asarray(chains[0] + chains[1])
+
+
+def _ordered(points: Array) -> Array:
+    """The points (N, 2) by x and then y, each once, to 9 decimals: as `numpy.unique` of rows, which takes thrice as long."""
+    pairs = np.sort(np.ascontiguousarray(np.round(points, 9)).view(np.complex128)[:, 0])
+    return pairs[np.append(True, pairs[1:] != pairs[:-1])].view(np.float64).reshape(-1, 2)
 
 
 def outline(thing: PlacedObject) -> Array:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -53,10 +54,16 @@ def local_width(
         for across in PAD_HALF
         for along in PAD_HALF
     ]
+    cuts = [_cut_of(model, data, geom) for geom in geoms]
+    back = -axis
     for middle, near in zip(middles, _met(model, data, geoms, np.array(middles), axis), strict=True):
-        for start, end in _pieces(model, data, near, middle, axis):
-            if start < opening / 2 and end > -opening / 2:
-                low, high = min(low, start), max(high, end)
+        before, beyond = middle - FAR * axis, middle + FAR * axis
+        for cut in itertools.compress(cuts, near):
+            ahead = cut(before, axis)
+            if ahead >= 0:
+                start, end = ahead - FAR, FAR - cut(beyond, back)
+                if start < opening / 2 and end > -opening / 2:
+                    low, high = min(low, start), max(high, end)
     return float(max(0.0, high - low)) if high > low else 0.0
 
 
@@ -72,37 +79,28 @@ def near_pads(
 
 def _met(
     model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int], middles: Array, axis: Array
-) -> list[list[int]]:
-    """For each line (L, 3) along `axis` the geoms whose bounding sphere it meets; it misses all others."""
+) -> list[list[bool]]:
+    """For each line (L, 3) along `axis` which geoms' bounding spheres it meets; it misses all others."""
     radii = model.geom_rbound[list(geoms)]
     offset = data.geom_xpos[list(geoms)] - middles[:, None]
     along = offset @ axis
     beside = np.einsum("lgi,lgi->lg", offset, offset) - along * along
-    met = (radii <= 0.0) | (beside <= (radii + 1e-6) ** 2)
-    return [[geom for geom, keep in zip(geoms, row, strict=True) if keep] for row in met.tolist()]
-
-
-def _pieces(
-    model: mujoco.MjModel, data: mujoco.MjData, geoms: Sequence[int], middle: Array, axis: Array
-) -> list[tuple[float, float]]:
-    """Where a line runs through each geom: distances from `middle` along `axis` [m]."""
-    out: list[tuple[float, float]] = []
-    before, beyond, back = middle - FAR * axis, middle + FAR * axis, -axis
-    for geom in geoms:
-        ahead = _ray(model, data, geom, before, axis)
-        if ahead >= 0:
-            out.append((ahead - FAR, FAR - _ray(model, data, geom, beyond, back)))
-    return out
+    return ((radii <= 0.0) | (beside <= (radii + 1e-6) ** 2)).tolist()
 
 
 MESH = int(mujoco.mjtGeom.mjGEOM_MESH)
 
 
-def _ray(model: mujoco.MjModel, data: mujoco.MjData, geom: int, start: Array, direction: Array) -> float:
+def _cut_of(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Callable[[Array, Array], float]:
+    """What tells where a line from a point along a direction first meets a geom [m]; negative if it misses it.
+
+    A geom is cut with dozens of lines, so it is looked up once.
+    """
     kind = int(model.geom_type[geom])
     if kind == MESH:
-        return mujoco.mj_rayMesh(model, data, geom, start, direction)
-    return mujoco.mju_rayGeom(data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom], start, direction, kind)
+        return lambda start, direction: mujoco.mj_rayMesh(model, data, geom, start, direction)
+    place, turn, size = data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom]
+    return lambda start, direction: mujoco.mju_rayGeom(place, turn, size, start, direction, kind)
 
 
 def region_distance(thing: PlacedObject, point: ArrayLike, region: str | None = None) -> float:

@@ -23,6 +23,8 @@ REACH = 0.80
 (12 random places per 5-cm ring, four yaws), beyond it never."""
 NEIGHBOUR_GAP = (0.04, 0.08)
 """Free distance to a neighbour if the file gives none [m] (benchmark.md section 2)."""
+SURELY = 1e-9
+"""Far more than gaps are off by rounding [m]."""
 RESTING = 1e-5
 """Height at which things start above the table [m]: contact without penetration."""
 
@@ -57,10 +59,17 @@ def beside(thing: PlacedObject, other: PlacedObject, free: float, bearing: float
     direction = np.array([math.cos(bearing), math.sin(bearing)])
     centre = np.asarray(other.position[:2])
     near, far = 0.0, 1.5
+    # A step changes the gap by no more than its length: the gaps at both ends bound it, and decide half of the halvings.
+    most, least = math.inf, -math.inf
     for _ in range(40):
         middle = (near + far) / 2
-        closer = gap(fixed, moving + centre + middle * direction) < free
-        near, far = (middle, far) if closer else (near, middle)
+        above, below = most + (middle - near), least - (far - middle)
+        if below < free + SURELY and above >= free - SURELY:
+            above = below = gap(fixed, moving + centre + middle * direction)
+        if above < free:
+            near, most = middle, above
+        else:
+            far, least = middle, below
     x, y = centre + far * direction
     return replace(thing, position=(float(x), float(y), RESTING))
 

@@ -17,13 +17,14 @@ def surface_in_object(obj: PlacedObject, points: int) -> Array:
     shares = np.maximum(40, (points * areas / areas.sum())).astype(int)
     clouds: list[Array] = []
     middles, radii = np.array([geom.position for geom in obj.geoms], float), [_radius(geom) for geom in obj.geoms]
+    turns = [rotation_of(geom.quaternion) for geom in obj.geoms]
     for i, (geom, count) in enumerate(zip(obj.geoms, shares, strict=True)):
-        cloud = _sample(geom, int(count)) @ rotation_of(geom.quaternion).T + np.asarray(geom.position)
+        cloud = _sample(geom, int(count)) @ turns[i].T + np.asarray(geom.position)
         inside = np.zeros(len(cloud), bool)
         apart = np.linalg.norm(middles - middles[i], axis=1)
         for j, other in enumerate(obj.geoms):
             if i != j and apart[j] < radii[i] + radii[j]:
-                inside |= _inside(other, cloud)
+                inside |= _inside(other, turns[j], cloud)
         clouds.append(cloud[~inside])
     return np.concatenate(clouds)
 
@@ -68,10 +69,12 @@ def _sample(geom: Geom, count: int) -> Array:
     return box_points(np.asarray(s, float), count)
 
 
-def _inside(geom: Geom, points: Array, slack: float = 1e-6) -> NDArray[np.bool_]:
-    """Which points (N, 3) of the object's frame lie strictly inside a piece."""
-    p = (points - np.asarray(geom.position)) @ rotation_of(geom.quaternion)
+def _inside(geom: Geom, rotation: Array, points: Array, slack: float = 1e-6) -> NDArray[np.bool_]:
+    """Which points (N, 3) of the object's frame lie strictly inside a piece turned by `rotation` (3, 3)."""
     s = geom.size
+    if geom.type == "mesh":
+        return np.zeros(len(points), bool)  # convex mesh pieces only touch one another
+    p = (points - np.asarray(geom.position)) @ rotation
     if geom.type == "box":
         return np.all(np.abs(p) < np.asarray(s) - slack, axis=1)
     if geom.type == "sphere":
@@ -83,4 +86,4 @@ def _inside(geom: Geom, points: Array, slack: float = 1e-6) -> NDArray[np.bool_]
     if geom.type == "capsule":
         beyond = np.maximum(np.abs(p[:, 2]) - s[1], 0)
         return p[:, 0] ** 2 + p[:, 1] ** 2 + beyond**2 < (s[0] - slack) ** 2
-    return np.zeros(len(points), bool)  # convex mesh pieces only touch one another
+    raise ValueError(f"a piece of unknown type {geom.type!r}")

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 def rotation_of(quaternion: tuple[float, float, float, float]) -> Array:
     """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = np.asarray(quaternion, float) / np.linalg.norm(quaternion)
+    w, x, y, z = (np.asarray(quaternion, float) / np.linalg.norm(quaternion)).tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
