@@ -134,7 +134,8 @@ class _Shared:
         self.job = job
         self.instruction = instruction_of(job.task.name, job.seed)
         self.world = SharedWorld.of(
-            open_world(job.task.name, job.seed, evaluator=job.settings.evaluator, noise=job.noise)
+            open_world(job.task.name, job.seed, evaluator=job.settings.evaluator, noise=job.noise),
+            rehearsed=job.settings.brain != "rules",
         )
         self.robot = self.world.actor
         self._perceivers: dict[str, Any] = {}

@@ -52,8 +52,13 @@ class SharedWorld(OpenedWorld):
     """An opened world at its start, with memory. `clock` runs as if nothing were shared, so that times stay comparable."""
 
     @classmethod
-    def of(cls, opened: OpenedWorld) -> SharedWorld:
-        """The opened world, to be shared from now on; it must stand at its start."""
+    def of(cls, opened: OpenedWorld, *, rehearsed: bool = True) -> SharedWorld:
+        """The opened world, to be shared from now on; it must stand at its start.
+
+        Args:
+            opened: The world.
+            rehearsed: Another world may be asked to go on from a moment of this one, as brains may ask and rules never do.
+        """
         known = {field.name: getattr(opened, field.name) for field in dataclasses.fields(opened)}
         shared = cls(**known)
         shared._history = START
@@ -66,7 +71,7 @@ class SharedWorld(OpenedWorld):
         shared._pictures = {}
         shared._percepts = {}
         shared._saved = 0.0
-        shared.blind = False
+        shared.blind, shared.rehearsed = False, rehearsed
         shared.shared_motions = shared.shared_looks = 0
         shared.actor = opened.robot
         shared.robot = SharingRobot(shared)
@@ -78,8 +83,8 @@ class SharedWorld(OpenedWorld):
     _snapshots: dict[bytes, bytes]
     _histories: dict[bytes, bytes]
     _moments: dict[bytes, tuple[bytes, int, bytes, Any, Still]]
-    """Name of a moment of the analytic evaluator -> history, motions, physical state, what the observer knows, and the
-    state once more for a quick return."""
+    """Name of a moment of the analytic evaluator -> history, motions, physical state (empty if not `rehearsed`), what the
+    observer knows, and the state once more for a quick return."""
     _physics: dict[bytes, bytes]
     _motions: dict[bytes, _Moved]
     _views: dict[bytes, tuple[Views, float]]
@@ -87,6 +92,8 @@ class SharedWorld(OpenedWorld):
     _percepts: dict[tuple[str, bytes, bytes], tuple[Percept, float]]
     _saved: float
     _start: bytes
+    rehearsed: bool
+    """Another world may go on from a moment of this one."""
     blind: bool
     """Looking takes no picture: the perceiver needs none."""
     shared_motions: int
@@ -129,7 +136,8 @@ class SharedWorld(OpenedWorld):
         assert self._history is not None
         name = NAMED + self._history
         world = self.world
-        self._moments[name] = self._history, self.motions, world.snapshot(), self.observer.kept(), world.still()
+        physics = world.snapshot() if self.rehearsed else b""
+        self._moments[name] = self._history, self.motions, physics, self.observer.kept(), world.still()
         return name
 
     def restore(self, blob: bytes) -> None:
@@ -146,7 +154,9 @@ class SharedWorld(OpenedWorld):
         self._history = history
 
     def physics_of(self, blob: bytes) -> bytes:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """As `OpenedWorld.physics_of`."""
+        """As `OpenedWorld.physics_of`; only the name of a moment if it is not `rehearsed`."""
+        if not self.rehearsed and blob in self._moments:
+            return blob
         if blob not in self._physics:
             self._physics[blob] = (
                 OpenedWorld.physics_of(blob) if blob not in self._moments else packed(*self._moments[blob][1:3])

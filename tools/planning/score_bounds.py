@@ -8,14 +8,18 @@ ways against each other, bit for bit.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kb.experience import Strategy
+from kb.by_identity import ByIdentity
+from kb.experience import ApproachClass, Strategy
 from kb.grasp import MAX_APERTURE, MAX_FORCE, MIN_FORCE
 from kb.sensing import Correction
+from kb.vocabulary import GraspType, Region
 from sim.quality import BEST_ALLOWANCE, FIT_ALLOWANCE, GRAVITY, REACH_ERROR, WEIGHTS, WIDEST_OBJECT, WIDTH_SCALE, Load
-from tools.planning.candidate import TIP_REACH, Array, Candidate
+from tools.planning.candidate import TIP_REACH, Array
 from tools.planning.constrain_candidates import Constrained
 from tools.planning.force_choice import PAD_ARM, PAD_LENGTH, TWIST_RADIUS, TWIST_RESERVE, ForceTerms
 from tools.planning.grasp_prior import GraspPrior
@@ -50,16 +54,43 @@ def score_bounds(
         avoid: What failed before.
         correction: What the reflection changes.
     """
-    candidates = [item.candidate for item in pool]
-    numbers = np.array([candidate.numbers for candidate in candidates]).T
-    grip = _forces(numbers, force)
-    score = _qualities(numbers, _openings(numbers, correction), grip, load, [load.match[c.type] for c in candidates])
-    score += PRIOR_WEIGHT * _agreements(candidates, numbers, prior)
+    table = _tables.get(tuple(pool), None, lambda: _Table.of(pool))
+    numbers = table.numbers
+    match = np.array([load.match[type_] for _, type_, _ in table.ways])[table.way]
+    score = _qualities(numbers, _openings(numbers, correction), _forces(numbers, force), load, match)
+    score += PRIOR_WEIGHT * _agreements(table, prior)
     score += MERIT_WEIGHT * numbers[4]
-    score -= np.array([item.malus for item in pool])
+    score -= table.malus
     if avoid:
-        score -= np.array([avoided(candidate, avoid) for candidate in candidates])
+        score -= np.array([avoided(item.candidate, avoid) for item in pool])
     return score
+
+
+@dataclass(frozen=True)
+class _Table:
+    """What is asked of the candidates of a pool, as arrays."""
+
+    numbers: Array
+    """`Candidate.numbers` (12, N)."""
+    malus: Array
+    """`Constrained.malus` (N,)."""
+    ways: tuple[tuple[Region, GraspType, ApproachClass], ...]
+    """Region, type and approach, each combination once."""
+    way: NDArray[np.intp]
+    """Which of `ways` each candidate is of (N,)."""
+
+    @classmethod
+    def of(cls, pool: Sequence[Constrained]) -> _Table:
+        """The table of a pool."""
+        candidates = [item.candidate for item in pool]
+        ways: dict[tuple[Region, GraspType, ApproachClass], int] = {}
+        way = [ways.setdefault((c.region, c.type, c.approach_class), len(ways)) for c in candidates]
+        numbers = np.ascontiguousarray(np.array([candidate.numbers for candidate in candidates]).T)
+        return cls(numbers, np.array([item.malus for item in pool]), tuple(ways), np.array(way))
+
+
+_tables: ByIdentity[_Table] = ByIdentity(16)
+"""Pools -> their tables: stages of a search and configurations of a trial score the same pools."""
 
 
 def _openings(numbers: Array, correction: Correction | None) -> Array:
@@ -88,7 +119,7 @@ def _forces(numbers: Array, force: ForceTerms) -> Array:
     return np.minimum(MAX_FORCE, np.maximum(MIN_FORCE, wanted))
 
 
-def _qualities(numbers: Array, opening: Array, force: Array, load: Load, match: list[float]) -> Array:
+def _qualities(numbers: Array, opening: Array, force: Array, load: Load, match: Array) -> Array:
     """Q (N,) as `Load.grade` gives it with full clearance."""
     width, _, miss = numbers[:3]
     fits = (width <= WIDEST_OBJECT) & (opening >= width + FIT_ALLOWANCE)
@@ -98,28 +129,24 @@ def _qualities(numbers: Array, opening: Array, force: Array, load: Load, match: 
     total = a * _clip(1.0 - miss / REACH_ERROR)
     total += b * np.where(fits, _clip(1.0 - np.abs(opening - (width + BEST_ALLOWANCE)) / WIDTH_SCALE), 0.0)
     total += c * _clip(np.minimum(low, high))
-    total += d * np.array(match)
+    total += d * match
     total += e
     total += f * _clip(1.0 - (load.fragile + 0.3 * np.minimum(1.0, width / 0.08) + load.heavy))
     total += g * _clip(force / load.holding - 1.0)
     return _clip(total)
 
 
-def _agreements(candidates: list[Candidate], numbers: Array, prior: GraspPrior) -> Array:
+def _agreements(table: _Table, prior: GraspPrior) -> Array:
     """As `rank_candidates.agreement` (N,)."""
-    words: dict[tuple[object, ...], float] = {}
-    ways = [(candidate.region, candidate.type, candidate.approach_class) for candidate in candidates]
-    for way in ways:
-        if way not in words:
-            region, type_, approach = way
-            total = REGION_WEIGHT * (prior.region is None or region == prior.region)
-            total += TYPE_WEIGHT * (prior.type is None or type_ == prior.type)
-            words[way] = total + APPROACH_WEIGHT * (prior.approach is None or approach == prior.approach)
-    depth, tilt = numbers[3], numbers[5]
+    words: list[float] = []
+    for region, type_, approach in table.ways:
+        total = REGION_WEIGHT * (prior.region is None or region == prior.region)
+        total += TYPE_WEIGHT * (prior.type is None or type_ == prior.type)
+        words.append(total + APPROACH_WEIGHT * (prior.approach is None or approach == prior.approach))
+    depth, tilt = table.numbers[3], table.numbers[5]
     tilt_off = 0.0 if prior.tilt is None else np.minimum(1.0, np.abs(tilt - prior.tilt) / 0.5)
     depth_off = 0.0 if prior.depth is None else np.minimum(1.0, np.abs(depth - prior.depth) / 0.4)
-    agreed: Array = np.array([words[way] for way in ways])
-    return agreed + TILT_WEIGHT * (1.0 - tilt_off) + DEPTH_WEIGHT * (1.0 - depth_off)
+    return np.array(words)[table.way] + TILT_WEIGHT * (1.0 - tilt_off) + DEPTH_WEIGHT * (1.0 - depth_off)
 
 
 def _clip(values: Array) -> Array:
