@@ -26,7 +26,7 @@ from sim.placed import Geom, PlacedObject
 from sim.pose import Array, point_in_body, rotation_of
 from sim.quality import REACH_ERROR, Circumstances, Subject, failure_of, grade
 from sim.reach import Unreachable
-from sim.swept_hand import ROUNDING, swept_distances, swept_least
+from sim.swept_hand import ROUNDING, swept_distances, swept_leasts
 from sim.world import World
 
 TABLE_ALLOWANCE = 0.001
@@ -160,28 +160,37 @@ def _pose(world: World, thing: PlacedObject) -> tuple[Array, Array]:
 def _clearances(world: World, things: list[PlacedObject], grasp: Grasp) -> dict[str, float]:
     """Smallest distance of the swept hand from each object's `cloud` [m].
 
-    No point of a piece is nearer than the middle of its sphere by more than the sphere's radius, so that most pieces need
-    not be measured.
+    No point of a piece is nearer than the middle of its sphere by more than the sphere's radius: each object's nearest
+    piece by that measure is measured first, and then only what may be nearer still.
     """
+    if not things:
+        return {}
     poses = [_pose(world, thing) for thing in things]
     spheres = [_pieces(thing.geoms) for thing in things]
-    found: dict[str, float] = {}
-    if not things:
-        return found
     middles = [
         pieces.middles @ rotation.T + position for pieces, (position, rotation) in zip(spheres, poses, strict=True)
     ]
     away = np.split(
         swept_distances(grasp, np.vstack(middles)), np.cumsum([len(pieces.points) for pieces in spheres])[:-1]
     )
-    for thing, pieces, (position, rotation), far in zip(things, spheres, poses, away, strict=True):
-        bounds, least = far - pieces.radii, math.inf
-        for number in np.argsort(bounds).tolist():
-            if bounds[number] >= least + ROUNDING:
-                break
-            least = min(least, swept_least(grasp, pieces.points[number] @ rotation.T + position))
-        found[thing.id] = least
-    return found
+    bounds = [far - pieces.radii for far, pieces in zip(away, spheres, strict=True)]
+
+    def measured(chosen: list[tuple[int, int]]) -> list[float]:
+        """Distances of pieces, given as numbers of thing and piece."""
+        placed = [spheres[thing].points[piece] @ poses[thing][1].T + poses[thing][0] for thing, piece in chosen]
+        return swept_leasts(grasp, placed) if placed else []
+
+    nearest = [int(np.argmin(least)) for least in bounds]
+    found = measured(list(enumerate(nearest)))
+    rest = [
+        (thing, piece)
+        for thing, (first, least) in enumerate(zip(nearest, bounds, strict=True))
+        for piece in np.flatnonzero(least < found[thing] + ROUNDING).tolist()
+        if piece != first
+    ]
+    for (thing, _), distance in zip(rest, measured(rest), strict=True):
+        found[thing] = min(found[thing], distance)
+    return {thing.id: distance for thing, distance in zip(things, found, strict=True)}
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kb.grasp import Grasp
-from sim.hand import FINGER_BOXES, FINGER_OFFSET, FULL_LIFT, PALM_BOXES, TCP_OFFSET
+from sim.hand import FULL_LIFT
+from sim.open_hand import around, distances, folded_of, from_boxes, nearest
 
 Array = NDArray[np.float64]
 
@@ -22,87 +24,6 @@ VERTICAL = 0.9999
 """Cosine from which an approach counts as straight down: the lift then strays by less than 3 mm."""
 LIFT_STEP = 0.0175
 """Largest step between checked heights of the lifted hand [m]: less than a pad's thickness, so nothing is missed."""
-
-_ALL = [((0.0, 0.0, c[2]), half) for c, half in PALM_BOXES]
-_ALL += [((0.0, c[1], c[2] + FINGER_OFFSET), half) for c, half in FINGER_BOXES]
-_MIDDLES, _HALVES = (np.array([box[k] for box in _ALL]).T[:, :, None] for k in (0, 1))
-_OPENS = np.array([0.0 for _ in PALM_BOXES] + [0.5 for _ in FINGER_BOXES])[:, None]
-"""The boxes in the quadrant of |x|, |y|: middles and half sizes, by axis and box (3, 5, 1) [m]."""
-
-
-@lru_cache(maxsize=256)
-def _stretched(aperture: float, standoff: float) -> tuple[Array, Array]:
-    """Middles from the tool point and half sizes (3, 5, 1) [m] of the open hand's boxes, stretched back by `standoff`."""
-    middles, halves = _MIDDLES.copy(), _HALVES.copy()
-    middles[1] += _OPENS * aperture
-    middles[2] = middles[2] - TCP_OFFSET - standoff / 2.0
-    halves[2] += standoff / 2.0
-    return middles, halves
-
-
-def _distances(folded: Array, aperture: float, standoff: float) -> Array:
-    """Signed distance of points to the hand stretched back along its approach by `standoff`, shape (..., N).
-
-    Coordinates |x|, |y|, z, (3, ..., N), are in the hand's axes about the tool point. The hand is its own mirror image in
-    x and y, so five boxes in the quadrant of |x|, |y| stand for all eight.
-    """
-    middles, halves = _stretched(aperture, standoff)
-    if folded.ndim > 2:
-        middles, halves = middles[:, None], halves[:, None]
-    outside = folded[..., None, :] - middles
-    np.abs(outside, out=outside)
-    outside -= halves
-    return _nearest(outside)
-
-
-def _nearest(outside: Array) -> Array:
-    """Smallest signed distance (..., N) [m] to boxes from how far points are outside of them by axis, (3, ..., B, N)."""
-    squared = np.maximum(outside, 0.0)
-    squared *= squared
-    total = squared[0] + squared[1]
-    total += squared[2]
-    out = np.sqrt(np.minimum.reduce(total, axis=-2))
-    if out.size and not np.minimum.reduce(out, axis=None):
-        # Only what is in a box, or on its face, has a depth.
-        out += np.minimum(np.minimum.reduce(np.maximum.reduce(outside, axis=0), axis=-2), 0.0)
-    return out
-
-
-def _folded(points: Array) -> Array:
-    """Coordinates (3, ...) with x and y without their signs."""
-    out = np.abs(points)
-    out[2] = points[2]
-    return out
-
-
-def _boxed(centres_halves: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> Array:
-    """Lower and upper corner (2, 3) of the box around boxes [m]."""
-    corners = [(np.array(c) - half, np.array(c) + half) for c, half in centres_halves]
-    return np.array([np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)])
-
-
-_PALM, _FINGER = _boxed(PALM_BOXES), _boxed(FINGER_BOXES)
-_AROUND_LOW = np.array([[-np.inf, -np.inf], [_PALM[0, 1], _FINGER[0, 1]], [_PALM[0, 2], _FINGER[0, 2] + FINGER_OFFSET]])
-_AROUND_HIGH = np.array(
-    [
-        [_PALM[1, 0], _FINGER[1, 0]],
-        [_PALM[1, 1], _FINGER[1, 1]],
-        [_PALM[1, 2], _FINGER[1, 2] + FINGER_OFFSET],
-    ]
-)
-_AROUND_OPENS = np.array([0.0, 0.5])
-"""Boxes around the palm and around a finger: least and greatest |x|, |y| and z [m], one a column."""
-
-
-@lru_cache(maxsize=256)
-def _around(aperture: float, standoff: float) -> tuple[Array, Array]:
-    """Lower and upper corners (3, 2, 1) [m] about the tool point of boxes around palm and finger."""
-    low, high = _AROUND_LOW.copy(), _AROUND_HIGH.copy()
-    for corners in (low, high):
-        corners[1] += _AROUND_OPENS * aperture
-        corners[2] -= TCP_OFFSET
-    low[2] -= standoff
-    return low[:, :, None], high[:, :, None]
 
 
 @dataclass(frozen=True)
@@ -128,35 +49,47 @@ class _Sweep:
         up = rotation[2]
         if up[2] < -VERTICAL:
             # The lift goes back along the approach: one stretched hand covers both.
-            return cls(points, _folded(points), grasp.aperture, max(grasp.standoff, lift), 0.0, up)
-        return cls(points, _folded(points), grasp.aperture, grasp.standoff, max(0.0, lift), up)
+            return cls(points, folded_of(points), grasp.aperture, max(grasp.standoff, lift), 0.0, up)
+        return cls(points, folded_of(points), grasp.aperture, grasp.standoff, max(0.0, lift), up)
 
     def distances(self, which: NDArray[np.intp] | None = None) -> Array:
         """Signed distances [m] of the points chosen by index, or of all."""
         folded = self.folded if which is None else self.folded.take(which, axis=1)
-        best = _distances(folded, self.aperture, self.standoff)
+        best = distances(folded, self.aperture, self.standoff)
         if self.lift > 0.0 and len(best):
             # Raising the hand by h is lowering the points by h.
             points = self.points if which is None else self.points.take(which, axis=1)
             raised = points[:, None] - _heights(self.lift) * self.up[:, None, None]
-            np.minimum(best, _distances(_folded(raised), self.aperture, 0.0).min(axis=0), out=best)
+            np.minimum(best, distances(folded_of(raised), self.aperture, 0.0).min(axis=0), out=best)
         return best
 
     def bounds(self) -> Array:
         """Lower bounds of the distances [m], shape (N,): the distances to the boxes around palm and fingers."""
-        low, high = _around(self.aperture, self.standoff)
+        low, high = around(self.aperture, self.standoff)
         folded = self.folded[:, None]
         outside = np.maximum(low - folded, folded - high)
-        out = _nearest(outside)
+        out = nearest(outside)
         if self.lift > 0.0:
-            by_x, by_y, by_z = (self.lift * value for value in self.up.tolist())
-            x, _, z = self.points
-            low, high = _around(self.aperture, 0.0)
-            outside[0] = np.maximum(min(0.0, by_x) - x, x - max(0.0, by_x)) - high[0]
-            outside[1] -= abs(by_y)
-            outside[2] = np.maximum(low[2] + min(0.0, by_z) - z, z - (high[2] + max(0.0, by_z)))
-            np.minimum(out, _nearest(outside), out=out)
+            np.minimum(out, self._lifted(outside), out=out)
         return out
+
+    def _lifted(self, outside: Array) -> Array:
+        """As `bounds`, for the hand on its lift; `outside` (3, 2, N) is how far points are outside of the boxes."""
+        by_x, by_y, by_z = (self.lift * value for value in self.up.tolist())
+        x, _, z = self.points
+        low, high = around(self.aperture, 0.0)
+        outside[0] = np.maximum(min(0.0, by_x) - x, x - max(0.0, by_x)) - high[0]
+        outside[1] -= abs(by_y)
+        outside[2] = np.maximum(low[2] + min(0.0, by_z) - z, z - (high[2] + max(0.0, by_z)))
+        away = from_boxes(outside)
+        # Across its way a box covers no more than its own breadth, which tells much where the way is aslant.
+        flat = math.hypot(by_x, by_z)
+        if flat > 0.0:
+            n_x, n_z = -by_z / flat, by_x / flat
+            middle, half = (low[2] + high[2]) / 2.0, (high[2] - low[2]) / 2.0
+            aside = np.abs(n_x * x + n_z * z - n_z * middle) - (abs(n_x) * high[0] + abs(n_z) * half)
+            np.maximum(away, aside, out=away)
+        return np.minimum.reduce(away, axis=0)
 
     def count(self, limit: float) -> int:
         """How many points come nearer than `limit` [m]."""
@@ -263,10 +196,24 @@ class Passing:
         return _Sweep(seen.points + by, seen.folded + by, grasp.aperture, grasp.standoff, 0.0, seen.up).count(limit)
 
 
-def swept_least(grasp: Grasp, points_w: Array, *, lift: float = FULL_LIFT) -> float:
-    """The smallest of `swept_distances` [m], however large; inf without points."""
-    points = np.asarray(points_w, float).reshape(-1, 3)
-    return _least(_Sweep.of(grasp, points - np.asarray(grasp.position), lift)) if len(points) else math.inf
+def swept_leasts(grasp: Grasp, clouds_w: Sequence[Array], *, lift: float = FULL_LIFT) -> list[float]:
+    """The smallest of `swept_distances` [m], however large, of each of some clouds of points (N, 3) [m], none empty."""
+    sweep = _Sweep.of(grasp, np.concatenate(clouds_w) - np.asarray(grasp.position), lift)
+    bounds, starts = sweep.bounds(), np.cumsum([0, *(len(cloud) for cloud in clouds_w)]).tolist()
+    # As `_least`, for all clouds at once.
+    first = [
+        start + np.argpartition(bounds[start:end], min(FEW // 2, end - start - 1))[: FEW // 2]
+        for start, end in pairwise(starts)
+    ]
+    offsets = np.cumsum([0, *(len(some) for some in first)])[:-1]
+    chosen = np.concatenate(first)
+    least = np.minimum.reduceat(sweep.distances(chosen), offsets)
+    near = bounds < np.repeat(least + ROUNDING, np.diff(starts))
+    near[chosen] = False
+    rest = np.flatnonzero(near)
+    if len(rest):
+        np.minimum.at(least, np.searchsorted(starts, rest, side="right") - 1, sweep.distances(rest))
+    return least.tolist()
 
 
 def swept_count(grasp: Grasp, points_w: Array, limit: float, *, lift: float = FULL_LIFT) -> int:

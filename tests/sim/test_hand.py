@@ -19,7 +19,7 @@ from sim.swept_hand import (
     swept_clearances,
     swept_count,
     swept_distances,
-    swept_least,
+    swept_leasts,
 )
 
 
@@ -139,7 +139,8 @@ def test_points_that_are_left_out_change_no_bit(lift: float) -> None:
         grasp = Grasp(position=(0.5, 0, 0.1), approach=(x, y, z), yaw=yaw, aperture=opening, force=10, type="side")
         points = rng.normal(rng.uniform([0.4, -0.1, 0.0], [0.6, 0.1, 0.2]), 0.04, (400, 3))
         distances = swept_distances(grasp, points, lift=lift)
-        assert swept_least(grasp, points, lift=lift) == distances.min()
+        halves = [distances[:7].min(), distances[7:].min()]
+        assert swept_leasts(grasp, [points[:7], points[7:]], lift=lift) == halves
         for limit in (-0.002, 0.001, 0.03):
             assert swept_count(grasp, points, limit, lift=lift) == (distances < limit).sum()
 
