@@ -49,6 +49,7 @@ def _rows(job: Job) -> Iterator[Row]:
             row = error_row(job, configuration, _said(error), wall_s=time.perf_counter() - start)
         yield row
         start = time.perf_counter()
+    shared.world.end()
 
 
 @contextmanager
@@ -81,7 +82,7 @@ def tidied_here() -> Iterator[None]:
             gc.enable()
 
 
-TIDIED_EVERY = 8
+TIDIED_EVERY = 16
 """Analytic jobs after which garbage is looked for: their worlds hold no pictures and take about a megabyte each."""
 _finished = itertools.count(1)
 

@@ -108,6 +108,14 @@ class SharedWorld(OpenedWorld):
         self.restore(self._start)
         self.stop.release()
 
+    def end(self) -> None:
+        """Lets go of all that is kept: the world and its robot know each other and would keep it until garbage is looked
+        for."""
+        for known in (self._snapshots, self._histories, self._moments, self._physics, self._motions, self._views):
+            known.clear()
+        self._pictures.clear()
+        self._percepts.clear()
+
     def clock(self) -> float:
         """Time [s] that goes on by the time that sharing saved."""
         return time.perf_counter() + self._saved

@@ -124,6 +124,8 @@ class ModelUse(Noun):
 
     def plus(self, other: ModelUse) -> ModelUse:
         """Both together."""
+        if other == NO_USE:
+            return self
         return ModelUse(
             calls=self.calls + other.calls,
             prompt_tokens=self.prompt_tokens + other.prompt_tokens,
@@ -133,6 +135,10 @@ class ModelUse(Noun):
             fallbacks=(*self.fallbacks, *other.fallbacks),
             contradictions=self.contradictions + other.contradictions,
         )
+
+
+NO_USE = ModelUse()
+"""No model was asked."""
 
 
 class RunResult(Noun):

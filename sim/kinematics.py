@@ -29,6 +29,7 @@ _A = np.array([link.a for link in LINKS])
 _D = np.array([link.d for link in LINKS])
 _COS_ALPHA = np.cos([link.alpha for link in LINKS])
 _SIN_ALPHA = np.sin([link.alpha for link in LINKS])
+_TURNS = list(zip(_A.tolist(), _D.tolist(), _COS_ALPHA.tolist(), _SIN_ALPHA.tolist(), strict=True))
 LIMIT_MARGIN = 0.03
 """Distance kept from every joint limit [rad]."""
 CLOSED_FORM_ERROR = 1e-4
@@ -77,6 +78,18 @@ def tcp_poses(joints: Array) -> Array:
     poses = link_poses(joints)[:, 7].copy()
     poses[:, :3, 3] += TCP_OFFSET * poses[:, :3, 2]
     return poses
+
+
+def _tool_points(joints: Array) -> Array:
+    """Tool points (N, 3) [m] of many configurations (N, 7): `tcp_poses` without the poses, from the hand to the base."""
+    count = len(joints)
+    x, y, z = np.zeros(count), np.zeros(count), np.full(count, FLANGE_OFFSET + TCP_OFFSET)
+    for cos, sin, link in zip(np.cos(joints).T[::-1], np.sin(joints).T[::-1], _TURNS[::-1], strict=True):
+        a, d, cos_alpha, sin_alpha = link
+        z += d
+        x, turned = cos * x - sin * y + a, sin * x + cos * y
+        y, z = turned * cos_alpha - z * sin_alpha, turned * sin_alpha + z * cos_alpha
+    return np.stack([x, y, z], axis=1)
 
 
 def jacobian(joints: Array) -> Array:
@@ -134,8 +147,9 @@ def inverse_many(pose: Array, q7s: Array, near: Array, margin: float = LIMIT_MAR
     found = found[within_limits(found, margin)]
     if not len(found):
         return found
-    error = np.linalg.norm(tcp_poses(found)[:, :3, 3] - pose[:3, 3], axis=1)
-    return found[error < CLOSED_FORM_ERROR]
+    off = _tool_points(found)
+    off -= pose[:3, 3]
+    return found[np.sqrt((off * off).sum(axis=1)) < CLOSED_FORM_ERROR]
 
 
 def pose_error(wanted: Array, actual: Array) -> Array:

@@ -42,11 +42,12 @@ def bin_places(
     gentle = held.affordance.fragility >= DROP_FRAGILITY
     raises = [raised for raised in BIN_RAISES if not gentle or raised <= GENTLE_DROP] or [0.0]
     slots = [(middle[0] + dx, middle[1] + dy) for dx, dy in (*BIN_SLOTS[first:], *BIN_SLOTS[:first])]
-    grades = [
-        [_grade(held, option, others, corners) for option in set_downs(held, plan, centre, low[2])] for centre in slots
-    ]
+    grades: list[list[int]] = []
     for wanted in range(4):
-        for centre, graded in zip(slots, grades, strict=True):
+        for number, centre in enumerate(slots):
+            if number == len(grades):  # mostly the first slots will do
+                grades.append([_grade(held, option, others, corners) for option in set_downs(held, plan, centre, low[2])])
+            graded = grades[number]
             if wanted in graded:
                 for raised in raises:
                     options = set_downs(held, plan, centre, low[2] + raised)

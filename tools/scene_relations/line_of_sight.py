@@ -7,6 +7,7 @@ was seen.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,10 @@ FEWEST_POINTS = 30
 
 def hides(front: Solid, back: Solid, seen: Array) -> bool:
     """OCCLUDES: `front`, of whose surface the points `seen` (N, 3) are known, hides `HIDDEN_SHARE` of `back`."""
-    return hidden_share(front, back) >= HIDDEN_SHARE and hidden_share(front, back, seen) >= HIDDEN_SHARE
+    if not _may_hide(front, back):
+        return False
+    rays, covered = _covered(front, back)
+    return _share(covered) >= HIDDEN_SHARE and _share(_seen_to_cover(rays, covered, seen)) >= HIDDEN_SHARE
 
 
 def hidden_share(front: Solid, back: Solid, points: Array | None = None) -> float:
@@ -42,15 +46,36 @@ def hidden_share(front: Solid, back: Solid, points: Array | None = None) -> floa
     """
     if not _may_hide(front, back):
         return 0.0
-    rays = _window(back)
-    behind = first_hit(back, rays)
+    rays, covered = _covered(front, back)
+    return _share(covered if points is None else _seen_to_cover(rays, covered, points))
+
+
+def _covered(front: Solid, back: Solid) -> tuple[Array, NDArray[np.bool_]]:
+    """The rays (N, 3) from the front camera to `back`, and which of them the solid of `front` meets before."""
+    rays, behind = _rays_to(back)
+    return rays, first_hit(front, rays) < behind
+
+
+@lru_cache(maxsize=64)
+def _rays_to(solid: Solid) -> tuple[Array, Array]:
+    """Unit rays (N, 3) from the front camera that meet the solid, and where [m]: each other thing may stand before it."""
+    rays = _window(solid)
+    behind = first_hit(solid, rays)
     seen = np.isfinite(behind)
-    if not seen.any():
-        return 0.0
-    covered = first_hit(front, rays[seen]) < behind[seen]
-    if points is not None and len(points) >= FEWEST_POINTS and covered.any():
-        covered[covered] = _near_points(rays[seen][covered], points)
-    return float(covered.mean())
+    return rays[seen], behind[seen]
+
+
+def _seen_to_cover(rays: Array, covered: NDArray[np.bool_], points: Array) -> NDArray[np.bool_]:
+    """Which of the covered rays pass near a seen point (N, 3); all of them where too few were seen."""
+    if len(points) < FEWEST_POINTS or not covered.any():
+        return covered
+    near = covered.copy()
+    near[covered] = _near_points(rays[covered], points)
+    return near
+
+
+def _share(covered: NDArray[np.bool_]) -> float:
+    return float(covered.mean()) if len(covered) else 0.0
 
 
 def _near_points(rays: Array, points: Array) -> NDArray[np.bool_]:
