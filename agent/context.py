@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,22 @@ from kb.switches import Switches
 from kb.vocabulary import FailureType
 from memory import EpisodicMemory
 from tools.context import ToolContext
+
+
+class Timed:
+    """A block whose wall time is added to those of its stage [s]."""
+
+    __slots__ = ("_clock", "_stage", "_start", "_times")
+
+    def __init__(self, clock: Callable[[], float], stage: str, times: dict[str, float]) -> None:
+        self._clock, self._stage, self._times = clock, stage, times
+        self._start = 0.0
+
+    def __enter__(self) -> None:
+        self._start = self._clock()
+
+    def __exit__(self, *_: object) -> None:
+        self._times[self._stage] = self._times.get(self._stage, 0.0) + self._clock() - self._start
 
 
 @dataclass
@@ -71,14 +86,9 @@ class AgentContext:
         """The tool context for one call; its draws follow from the seed, the purpose and the count alone."""
         return self.tools.with_draws(lambda: draws(self.seed, purpose, count))
 
-    @contextmanager
-    def timed(self, stage: str, times: dict[str, float]) -> Iterator[None]:
+    def timed(self, stage: str, times: dict[str, float]) -> Timed:
         """Adds the wall time of a block to `times[stage]` [s]."""
-        start = self.clock()
-        try:
-            yield
-        finally:
-            times[stage] = times.get(stage, 0.0) + self.clock() - start
+        return Timed(self.clock, stage, times)
 
     def pictures(self) -> tuple[str, ...]:
         """Content hashes of the last look's pictures."""

@@ -29,6 +29,8 @@ def add_times(old: dict[str, float], new: dict[str, float] | None) -> dict[str, 
     """Reducer of wall-clock seconds per stage; None clears. A node that timed nothing leaves all as it is."""
     if new is None:
         return {}
+    if not new:
+        return old
     return {key: old.get(key, 0.0) + new.get(key, 0.0) for key in sorted({*old, *new})}
 
 

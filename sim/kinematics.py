@@ -131,18 +131,23 @@ def within_limits(joints: Array, margin: float = LIMIT_MARGIN) -> NDArray[np.boo
 
 def inverse(pose: Array, q7: float, near: Array) -> Array:
     """All closed-form solutions (K, 7), K <= 4, of a tool pose for a given last joint angle [rad]; limits unchecked."""
-    solutions = closed_forms(pose, q7, near)
+    solutions = closed_forms(flanges(pose), q7, near)
     return solutions[np.isfinite(solutions).all(axis=1)]
 
 
-def closed_forms(pose: Array, q7: float, near: Array) -> Array:
-    """As `inverse`, with the rows that are no solutions: they are not numbers (4, 7)."""
-    return np.asarray(frankik.ik_full(pose @ _TCP_TO_FLANGE, near, q7))
+def flanges(poses: Array) -> Array:
+    """Poses of the flange (..., 4, 4) at tool poses."""
+    return poses @ _TCP_TO_FLANGE
+
+
+def closed_forms(flange: Array, q7: float, near: Array) -> Array:
+    """As `inverse` for a pose of the flange, with the rows that are no solutions: they are not numbers (4, 7)."""
+    return np.asarray(frankik.ik_full(flange, near, q7))
 
 
 def inverse_many(pose: Array, q7s: Array, near: Array, margin: float = LIMIT_MARGIN) -> Array:
     """Closed-form solutions (K, 7) within the limits over many last joint angles, each checked by forward kinematics."""
-    flange = pose @ _TCP_TO_FLANGE
+    flange = flanges(pose)
     found = np.concatenate([frankik.ik_full(flange, near, float(q7)) for q7 in q7s])
     found = found[within_limits(found, margin)]
     if not len(found):

@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 PAD_HALF = (-0.0085, -0.004, 0.0, 0.004, 0.0085)
 """Offsets of the probing lines over a pad, across and along the fingers [m] (a pad measures about 18 x 18 mm)."""
+_ACROSS, _ALONG = (grid.reshape(-1, 1) for grid in np.meshgrid(PAD_HALF, PAD_HALF, indexing="ij"))
 FAR = 0.5
 """Probing lines start this far from the tool point [m]."""
 RIM_DEPTH = 0.03
@@ -49,15 +50,10 @@ def local_width(
     if not geoms:
         return 0.0
     axis = np.ascontiguousarray(rotation[:, 1])
-    middles = [
-        np.asarray(position, float) + across * rotation[:, 0] + along * rotation[:, 2]
-        for across in PAD_HALF
-        for along in PAD_HALF
-    ]
+    middles = np.asarray(position, float) + _ACROSS * rotation[:, 0] + _ALONG * rotation[:, 2]
     cuts = [_cut_of(model, data, geom) for geom in geoms]
-    back = -axis
-    for middle, near in zip(middles, _met(model, data, geoms, np.array(middles), axis), strict=True):
-        before, beyond = middle - FAR * axis, middle + FAR * axis
+    back, befores, beyonds = -axis, middles - FAR * axis, middles + FAR * axis
+    for before, beyond, near in zip(befores, beyonds, _met(model, data, geoms, middles, axis), strict=True):
         for cut in itertools.compress(cuts, near):
             ahead = cut(before, axis)
             if ahead >= 0:

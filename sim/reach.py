@@ -20,6 +20,7 @@ from sim.hand import FULL_LIFT
 from sim.kinematics import (
     LIMIT_MARGIN,
     closed_forms,
+    flanges,
     flipped,
     forward,
     grasp_pose,
@@ -201,12 +202,12 @@ def line(pose: Array, offsets: Array, joints: Array, *, q7_drift: float = 0.0) -
         q7_drift: Change of the last joint over the line [rad]: opens lines that no constant angle allows.
     """
     path = np.empty((len(offsets), 7))
-    target = pose.copy()
+    targets = np.repeat(pose[None], len(offsets), axis=0)
+    targets[:, :3, 3] = pose[:3, 3] + offsets
     last = joints
-    for index, offset in enumerate(offsets):
-        target[:3, 3] = pose[:3, 3] + offset
+    for index, flange in enumerate(flanges(targets)):
         q7 = joints[6] + q7_drift * index / (len(offsets) - 1)
-        solutions = closed_forms(target, float(q7), last)
+        solutions = closed_forms(flange, float(q7), last)
         best, least = -1, np.inf
         # A row that is no solution is not a number, which is less than nothing.
         for number, jump in enumerate(np.maximum.reduce(np.abs(solutions - last), axis=1).tolist()):

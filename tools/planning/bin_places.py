@@ -46,7 +46,9 @@ def bin_places(
     for wanted in range(4):
         for number, centre in enumerate(slots):
             if number == len(grades):  # mostly the first slots will do
-                grades.append([_grade(held, option, others, corners) for option in set_downs(held, plan, centre, low[2])])
+                grades.append(
+                    [_grade(held, option, others, corners) for option in set_downs(held, plan, centre, low[2])]
+                )
             graded = grades[number]
             if wanted in graded:
                 for raised in raises:

@@ -30,6 +30,7 @@ ROUND_YAWS = 8
 """Closing axes tried around a round thing: every 22.5 degrees."""
 TILTS = (0.0, math.radians(15), math.radians(-15), math.radians(35), math.radians(-35))
 """Tilts of a top grasp within the plane of the fingers [rad]."""
+_TILT_NAMES = {tilt: "" if tilt == 0.0 else f"/tilt{degrees(tilt)}" for tilt in TILTS}
 SIDE_BEARINGS = tuple(math.radians(a) for a in (11, -11, 23, -23, 35, -35, 50, -50, 70, -70, 90, -90))
 """Bearings of a side approach off the radial direction [rad]; exactly radial ones can't lift (physics.md)."""
 SIDE_DIPS = tuple(math.radians(a) for a in (0, 10, 20))
@@ -77,6 +78,7 @@ def top_candidates(subject: PerceivedObject, region: Region) -> list[Candidate]:
     """Grasps from above, closing across the object."""
     points_w = subject.surface_points()
     floors = [max(tip_floor(subject, tilt), palm_floor(subject.top_z, tilt)) for tilt in TILTS]
+    rounded = is_round(subject)
     found: list[Candidate] = []
     for label, closing_yaw, width, along, offset in _closings(subject):
         origin = np.asarray(subject.position) + along * offset
@@ -86,7 +88,20 @@ def top_candidates(subject: PerceivedObject, region: Region) -> list[Candidate]:
         for type_ in ("power", "pinch"):
             for tilt, floor, approach in zip(TILTS, floors, lean, strict=True):
                 found.append(
-                    _top(subject, region, type_, label, closing_yaw, origin, width, tilt, offset, floor, approach)
+                    _top(
+                        subject,
+                        region,
+                        type_,
+                        label,
+                        closing_yaw,
+                        origin,
+                        width,
+                        tilt,
+                        offset,
+                        floor,
+                        approach,
+                        rounded,
+                    )
                 )
     return found
 
@@ -133,17 +148,17 @@ def _top(
     offset: float,
     floor: float,
     approach: Vec3,
+    rounded: bool,
 ) -> Candidate:
     middle = float(origin[2])
     # Fingertips reach the equator of round things from above it (ledger G35); others are held at half height, or, in a
     # pinch, near the top with the pads just covered.
     pinched = max(middle, subject.top_z - 0.014)
     height = max(floor, middle if type_ == "power" or subject.shape == "sphere" else pinched)
-    name_tilt = "" if tilt == 0.0 else f"/tilt{degrees(tilt)}"
-    overhang = max(0.0, height - TIP_REACH - middle) if is_round(subject) else 0.0
+    overhang = max(0.0, height - TIP_REACH - middle) if rounded else 0.0
     small = width < 0.035
     return Candidate(
-        name=f"{region}/top/{type_}/{label}{name_tilt}",
+        name=f"{region}/top/{type_}/{label}{_TILT_NAMES[tilt]}",
         region=region,
         type="side" if abs(tilt) > math.radians(30) and type_ == "power" else type_,
         position=(float(origin[0]), float(origin[1]), height),
