@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from kb.percept import Percept
+from kb.percept import PerceivedObject, Percept
 from kb.rgbd import RgbdView
 from sim.cameras import focal_length
 from sim.placed import PlacedScene
@@ -31,13 +31,26 @@ class BlindOracle:
         self._views = tuple(_unseen(camera) for camera in placed.cameras if camera.name in ("front", "top"))
         self._store = store
         self._seed = seed
+        self._known: dict[tuple[object, ...], PerceivedObject] = {}
+        """Name, place, size and state -> what was last seen so."""
 
     def perceive(self, views: Any, args: PerceiveArgs) -> Percept:
         """What the oracle reports, with embeddings of the knowledge base; `views` are not looked at."""
         del views
         percept: Percept = self._oracle.perceive(self._views, args)
         seen = tuple(item.model_copy(update={"embedding": self._embedding(item.category)}) for item in percept.objects)
-        return percept.model_copy(update={"objects": seen})
+        return percept.model_copy(update={"objects": tuple(self._as_known(item) for item in seen)})
+
+    def _as_known(self, item: PerceivedObject) -> PerceivedObject:
+        """The same object if it was seen just so before: what was worked out for it is kept for that very object.
+
+        Configurations that handle things in another order meet the others where they stood.
+        """
+        key = item.id, item.position, item.size, item.state
+        known = self._known.get(key)
+        if known is None or known != item:
+            known = self._known[key] = item
+        return known
 
     def _embedding(self, category: str) -> tuple[float, ...]:
         entries = _embeddings(self._store, category)

@@ -76,7 +76,7 @@ class Candidate:
         """Top, tilted or side."""
         return approach_class(self.tilt)
 
-    @cached_property
+    @property
     def numbers(self) -> tuple[float, ...]:
         """What a score follows from besides words: width, room, miss [m], depth, merit, tilt [rad], the position [m], cosine
         and sine of the yaw, and whether the approach points down (1) or not (0)."""

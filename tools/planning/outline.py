@@ -23,13 +23,13 @@ def outline(centre: Sequence[float], size: Vec3, yaw: float) -> Array:
 
 def rectangle_gap(one: Array, other: Array) -> float:
     """Widest gap between two rectangles (4, 2) along a side of either [m]: never more than their distance."""
-    widest = -math.inf
-    for first, second in ((one, other), (other, one)):
-        for edge in (first[1] - first[0], first[2] - first[1]):
-            axis = np.array([-edge[1], edge[0]]) / max(float(np.linalg.norm(edge)), 1e-9)
-            a, b = first @ axis, second @ axis
-            widest = max(widest, float(max(a.min() - b.max(), b.min() - a.max())))
-    return widest
+    both = np.array([one, other])
+    edges = both[:, 1:3] - both[:, :2]
+    x, y = edges[..., 0].ravel(), edges[..., 1].ravel()
+    axes = np.array([-y, x]) / np.maximum(np.sqrt(x * x + y * y), 1e-9)
+    along = both @ axes
+    (low_a, low_b), (high_a, high_b) = along.min(axis=1), along.max(axis=1)
+    return float(np.maximum(low_a - high_b, low_b - high_a).max())
 
 
 def clear_case(one: Sequence[float], size: Vec3, other: Sequence[float], other_size: Vec3, gap: float) -> bool | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -136,7 +137,11 @@ def stands_clear(held: PerceivedObject, option: SetDown, others: Iterable[Percei
     if not near:
         return True
     mine = outline(option.centre, held.size, held.yaw + option.turn)
-    return all(rectangle_gap(mine, outline(other.position, other.size, other.yaw)) >= gap for other in near)
+    return all(rectangle_gap(mine, _standing(other.position, other.size, other.yaw)) >= gap for other in near)
+
+
+_standing = lru_cache(maxsize=64)(outline)
+"""Outlines of what stands there, which every place is held against."""
 
 
 def hand_at_grasp(held: Plan) -> Array:
