@@ -82,7 +82,7 @@ def tidied_here() -> Iterator[None]:
             gc.enable()
 
 
-TIDIED_EVERY = 16
+TIDIED_EVERY = 32
 """Analytic jobs after which garbage is looked for: their worlds hold no pictures and take about a megabyte each."""
 _finished = itertools.count(1)
 

@@ -93,6 +93,18 @@ def misfit(grasp: Grasp, target: PerceivedObject) -> FailureType:
 
 def width_at(grasp: Grasp, target: PerceivedObject, turn: float) -> float:
     """Width of the perceived object between the fingers, with the hand turned by an angle [m, rad]."""
+    kept = _widths.get((target,), None, dict[tuple[object, ...], float])
+    place = grasp.position, grasp.yaw, turn
+    if place not in kept:
+        kept[place] = _width_at(grasp, target, turn)
+    return kept[place]
+
+
+_widths: ByIdentity[dict[tuple[object, ...], float]] = ByIdentity(16)
+"""Object -> place and turn of the hand -> width there: asked again after the look that follows a failure."""
+
+
+def _width_at(grasp: Grasp, target: PerceivedObject, turn: float) -> float:
     yaw = grasp.yaw + turn
     closing = np.array([math.cos(yaw), math.sin(yaw), 0.0])
     low = grasp.position[2] - 0.02

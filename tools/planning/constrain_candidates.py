@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kb.base import Vec3
 from kb.by_identity import ByIdentity
 from kb.constraint import Adjustment, Constraints
 from kb.grasp import closing_axis
@@ -74,12 +75,13 @@ def _constrain(
         bias = bias - LATERAL_BIAS * np.asarray(adjustment.lateral)
     kept: list[Constrained] = []
     wanted = float(np.linalg.norm(bias))
+    bends = _Bends(bias, limit)
     for candidate in candidates:
         if limit is not None and candidate.tilt > limit + 1e-6:
             rejected["content: approach too tilted"] = rejected.get("content: approach too tilted", 0) + 1
             continue
         leans = wanted >= 1e-6
-        kept.append(_lean(candidate, subject, bias, limit, constraints) if leans else Constrained(candidate, 0.0))
+        kept.append(_lean(candidate, subject, bends, constraints) if leans else Constrained(candidate, 0.0))
     if not adjustment.avoid_yaw:
         return kept
     return [
@@ -93,45 +95,83 @@ def _tilt_limit(adjustment: Adjustment) -> float | None:
     return CONTENT_TILT if adjustment.direction is not None else None
 
 
-def _lean(
-    candidate: Candidate, subject: PerceivedObject, bias: Array, limit: float | None, constraints: Constraints
-) -> Constrained:
-    """Leans the approach by the part of the bias that lies in the plane of the fingers' width.
+@dataclass(frozen=True)
+class _Bend:
+    """What the bias does to an approach."""
 
-    Along the closing axis a lean would turn the pads off the surfaces they are to meet, so that part is left out and
-    counts as a malus; other closing axes will be preferred.
+    already: float
+    """Share of the bias that the approach has of itself."""
+    approach: Vec3
+    """The approach leaned."""
+    tilt: float
+    """Its tilt off vertical [rad]."""
+    share: float
+    """Share of the bias that it could take."""
+    turned: int
+    """By how much it was leaned [whole degrees]."""
+
+
+class _Bends:
+    """The part of the bias that lies in the plane of the fingers' width, for each approach and closing axis once.
+
+    Along the closing axis a lean would turn the pads off the surfaces they are to meet, so that part is left out.
     """
-    wanted = _length(bias)
-    closing = closing_axis(candidate.approach, candidate.yaw)
-    before = np.asarray(candidate.approach)
-    usable = bias - closing * float(bias @ closing)
-    after = before + usable
-    after /= _length(after)
-    if limit is not None:
-        after = _limited(after, limit)
+
+    def __init__(self, bias: Array, limit: float | None) -> None:
+        self._bias, self._limit = bias, limit
+        self._known: dict[tuple[Vec3, float], _Bend] = {}
+
+    def of(self, approach: Vec3, yaw: float) -> _Bend:
+        """The bend of an approach with this azimuth of the closing axis [rad]."""
+        known = self._known.get((approach, yaw))
+        if known is None:
+            known = self._known[approach, yaw] = self._bend(approach, yaw)
+        return known
+
+    def _bend(self, approach: Vec3, yaw: float) -> _Bend:
+        bias = self._bias
+        wanted = _length(bias)
+        closing = closing_axis(approach, yaw)
+        before = np.asarray(approach)
+        usable = bias - closing * float(bias @ closing)
+        after = before + usable
+        after /= _length(after)
+        if self._limit is not None:
+            after = _limited(after, self._limit)
+        return _Bend(
+            already=max(0.0, float(before @ bias) / wanted),
+            approach=vec3(after),
+            tilt=math.acos(max(-1.0, min(1.0, -float(after[2])))),
+            share=_length(usable) / wanted,
+            turned=round(math.degrees(math.acos(max(-1.0, min(1.0, float(before @ after)))))),
+        )
+
+
+def _lean(candidate: Candidate, subject: PerceivedObject, bends: _Bends, constraints: Constraints) -> Constrained:
+    """Leans the approach by the part of the bias that it can take; the rest counts as a malus, so that other closing axes
+    will be preferred."""
+    bend = bends.of(candidate.approach, candidate.yaw)
     # A side approach that already moves the wanted way, or can't be bent without losing its height, stays as it is.
-    already = max(0.0, float(before @ bias) / wanted)
     if candidate.tilt > MOST_UPRIGHT:
-        return Constrained(candidate, 0.3 * (1.0 - already) if already < FULL_BIAS else 0.0)
-    tilt = math.acos(max(-1.0, min(1.0, -float(after[2]))))
+        return Constrained(candidate, 0.3 * (1.0 - bend.already) if bend.already < FULL_BIAS else 0.0)
+    tilt = bend.tilt
     x, y, z = candidate.position
     floor = max(tip_floor(subject, tilt), palm_floor(subject.top_z, tilt) - 0.003 if candidate.region != "rim" else 0.0)
     leaned = replace(
         candidate,
         name=f"{candidate.name}/lean{round(math.degrees(tilt))}",
-        approach=vec3(after),
+        approach=bend.approach,
         position=(x, y, max(z, floor) if candidate.region != "rim" else z),
     )
-    share = _length(usable) / wanted
     ids = ",".join(
         f"{item.kind}:{item.target}" for item in constraints.active if item.kind in ("collision", "occlusion")
     )
     change = (
         "approach",
         ids or "bias",
-        f"leaned {math.degrees(math.acos(max(-1.0, min(1.0, float(before @ after))))):.0f} deg",
+        f"leaned {bend.turned} deg",
     )
-    return Constrained(leaned, 0.3 * max(0.0, FULL_BIAS - share), (change,))
+    return Constrained(leaned, 0.3 * max(0.0, FULL_BIAS - bend.share), (change,))
 
 
 def _length(vector: Array) -> float:
