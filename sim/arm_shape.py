@@ -63,6 +63,7 @@ DISTAL_FROM = 4
 """Link index from which the arm could meet its own base (link 5 on)."""
 _DISTAL = _ALL_OWNERS >= DISTAL_FROM
 _ON_TABLE = _ALL_OWNERS >= 2
+_LOW_CENTRES, _LOW_OWNERS, _LOW_RADII = (values[_OWNERS >= 2] for values in (_CENTRES, _OWNERS, _RADII))
 _BASE_CAPSULES = (((-0.09, 0.0, 0.06), (0.0, 0.0, 0.06), 0.06), ((0.0, 0.0, 0.05), (0.0, 0.0, 0.333), 0.06))
 """Base and column of the robot itself: end points and radius [m]."""
 
@@ -81,8 +82,9 @@ def carried_points(joints: Array, points: Array) -> Array:
 
 def table_clearance(joints: Array) -> float:
     """Smallest distance of the arm's links (hand left out: its own check is exact) from the table [m]."""
-    centres = spheres(joints)[:, : len(_CENTRES)][:, _OWNERS >= 2]
-    return float(_above_table(centres, _RADII[_OWNERS >= 2]).min())
+    poses = link_poses(joints)[:, _LOW_OWNERS]
+    centres = np.einsum("nsij,sj->nsi", poses[..., :3, :3], _LOW_CENTRES) + poses[..., :3, 3]
+    return float(_above_table(centres, _LOW_RADII).min())
 
 
 def _above_table(centres: Array, radii: Array) -> Array:

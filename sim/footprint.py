@@ -107,6 +107,17 @@ _outlines: dict[int, tuple[PlacedObject, Array]] = {}
 """Identity of an object -> the object itself, which keeps its identity its own, and its outline."""
 
 
+def surely_apart(one: Array, two: Array, least: float) -> bool:
+    """Whether the boxes around two outlines tell already that `gap` is at least `least`, which is not negative [m]."""
+    (low_x, low_y), (high_x, high_y) = one.min(axis=0).tolist(), one.max(axis=0).tolist()
+    (left, front), (right, back) = two.min(axis=0).tolist(), two.max(axis=0).tolist()
+    return max(low_x - right, left - high_x, low_y - back, front - high_y) > least + SURELY
+
+
+SURELY = 1e-9
+"""Far more than gaps are off by rounding [m]."""
+
+
 def gap(one: Array, two: Array) -> float:
     """Free distance between two convex outlines [m]; negative (the smallest overlap) where they overlap."""
     overlap = _overlap(one, two)

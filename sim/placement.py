@@ -10,7 +10,7 @@ import numpy as np
 
 from kb.errors import BadInputError
 from sim.build_model import build_model
-from sim.footprint import gap, outline
+from sim.footprint import SURELY, gap, outline, surely_apart
 from sim.placed import PlacedObject, PlacedScene
 from sim.scene_spec import ObjectSpec, SceneSpec
 
@@ -23,8 +23,6 @@ REACH = 0.80
 (12 random places per 5-cm ring, four yaws), beyond it never."""
 NEIGHBOUR_GAP = (0.04, 0.08)
 """Free distance to a neighbour if the file gives none [m] (benchmark.md section 2)."""
-SURELY = 1e-9
-"""Far more than gaps are off by rounding [m]."""
 RESTING = 1e-5
 """Height at which things start above the table [m]: contact without penetration."""
 
@@ -93,6 +91,8 @@ def check_place(entry: ObjectSpec, spec: SceneSpec, thing: PlacedObject, done: d
         related = _related(spec, entry.id, other_id)
         drawn = entry.position is None or spec.entry(other_id).position is None
         least = 0.0 if related or not drawn else spec.separation
+        if surely_apart(edge, outline(other), least):
+            continue
         free = gap(edge, outline(other))
         if free >= least or (free < 0.0 and _above_each_other(thing, other)):
             continue
