@@ -63,7 +63,8 @@ DISTAL_FROM = 4
 """Link index from which the arm could meet its own base (link 5 on)."""
 _DISTAL = _ALL_OWNERS >= DISTAL_FROM
 _ON_TABLE = _ALL_OWNERS >= 2
-_LOW_CENTRES, _LOW_OWNERS, _LOW_RADII = (values[_OWNERS >= 2] for values in (_CENTRES, _OWNERS, _RADII))
+_LOW = _OWNERS >= 2
+_LOW_CENTRES, _LOW_OWNERS, _LOW_RADII = _CENTRES[_LOW], _OWNERS[_LOW], _RADII[_LOW]
 _BASE_CAPSULES = (((-0.09, 0.0, 0.06), (0.0, 0.0, 0.06), 0.06), ((0.0, 0.0, 0.05), (0.0, 0.0, 0.333), 0.06))
 """Base and column of the robot itself: end points and radius [m]."""
 
