@@ -11,11 +11,11 @@ import pytest
 from sim.build_model import build_model
 from sim.catalogue import MODELS
 from sim.draw_scene import draw_scene
-from sim.footprint import gap, hull, outline
+from sim.footprint import gap, hull, outline, surely_apart
 from sim.objects.form import quaternion_about
 from sim.particles import contained
 from sim.placed import PlacedScene
-from sim.placement import REACH, SPAWN_LOWER, SPAWN_UPPER, TABLE_LOWER, TABLE_UPPER
+from sim.placement import REACH, SPAWN_LOWER, SPAWN_UPPER, TABLE_LOWER, TABLE_UPPER, beside
 from sim.scene_file import builtin_scenes, load_scene
 from sim.tasks.occlusion import hidden_share
 from sim.tasks.random_scene import ARRANGEMENTS, random_scene
@@ -158,6 +158,26 @@ def test_gap_of_squares() -> None:
     assert gap(square, square + np.array([2.0, 2.0])) == pytest.approx(math.sqrt(2))
     assert gap(square, square + np.array([0.75, 0.0])) == pytest.approx(-0.25)
     assert len(hull(np.vstack([square, [[0.5, 0.5]]]))) == 4
+
+
+def test_gaps_left_out_move_nothing() -> None:
+    """A place beside another thing is, bit for bit, the one that 40 measured halvings give, and boxes never say too much."""
+    rng = np.random.default_rng(7)
+    for seed in range(10):
+        things = [thing for thing in draw_scene(load_scene("clear_table"), seed).objects if not thing.fixed]
+        thing, other = (things[k] for k in rng.permutation(len(things))[:2])
+        free, bearing = float(rng.uniform(0.003, 0.1)), float(rng.uniform(-math.pi, math.pi))
+        fixed, moving = outline(other), outline(replace(thing, position=(0.0, 0.0, 0.0)))
+        centre, direction = np.asarray(other.position[:2]), np.array([math.cos(bearing), math.sin(bearing)])
+        near, far = 0.0, 1.5
+        for _ in range(40):
+            middle = (near + far) / 2
+            at = moving + centre + middle * direction
+            closer = gap(fixed, at) < free
+            assert not (closer and surely_apart(fixed, at, free))
+            near, far = (middle, far) if closer else (near, middle)
+        x, y = (centre + far * direction).tolist()
+        assert beside(thing, other, free, bearing).position[:2] == (x, y)
 
 
 def test_outline_turns_with_the_object() -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from sim.kinematics import (
+    CLOSED_FORM_ERROR,
     flipped,
     forward,
+    inverse,
     inverse_many,
     jacobian,
     link_poses,
@@ -41,6 +43,19 @@ def test_inverse_then_forward_returns_the_pose() -> None:
             assert within_limits(found, 0.0).all()
             assert np.abs(tcp_poses(found)[:, :3, 3] - pose[:3, 3]).max() < 1e-4
     assert reached >= 55
+
+
+def test_only_true_solutions_are_kept() -> None:
+    """Every solution over many last joint angles reaches the tool point, and none that does is left out."""
+    samples = np.linspace(-2.7, 2.7, 12)
+    for joints in _configurations(10, seed=3):
+        pose = forward(joints)
+        found = inverse_many(pose, samples, READY)
+        assert np.linalg.norm(tcp_poses(found)[:, :3, 3] - pose[:3, 3], axis=1).max(initial=0.0) < CLOSED_FORM_ERROR
+        each = np.concatenate([inverse(pose, q7, READY) for q7 in samples])
+        each = each[within_limits(each)]
+        true = np.linalg.norm(tcp_poses(each)[:, :3, 3] - pose[:3, 3], axis=1) < CLOSED_FORM_ERROR
+        assert np.array_equal(each[true], found)
 
 
 def test_jacobian_is_the_derivative() -> None:

@@ -77,3 +77,22 @@ def test_shared_points_cannot_be_changed() -> None:
         np.testing.assert_array_equal(points, fresh)
         with pytest.raises(ValueError, match="read-only"):
             points[0] = 0.0
+
+
+def test_a_generator_is_made_when_something_is_drawn() -> None:
+    """Of promised generators only those are made that are asked for, once each, and they give their own numbers."""
+    made: list[int] = []
+
+    def draws() -> np.random.Generator:
+        made.append(1)
+        return np.random.default_rng(5)
+
+    tools = context().with_draws(draws)
+    assert not made
+    drawn = [tools.rng.random() for _ in range(2)]
+    assert made == [1]
+    rng = np.random.default_rng(5)
+    assert drawn == [rng.random(), rng.random()]
+    assert tools.with_rng(np.random.default_rng(6)).rng.random() == np.random.default_rng(6).random()
+    with pytest.raises(AttributeError):
+        _ = tools.nothing
