@@ -54,7 +54,7 @@ def understand(text: str, *, pending: Goal | None = None) -> Understanding:
     return _understood(text, pending)  # pyright: ignore[reportArgumentType]  frozen nouns have a hash
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=128)
 def _understood(text: str, pending: Goal | None) -> Understanding:
     """As `understand`, read once: a turn reads its instruction twice, and a benchmark the same few ones all the time."""
     said = trim(as_seen_by_person(" ".join(words(text))).split())
