@@ -83,10 +83,8 @@ class Unreachable:
 
     @cached_property
     def residual(self) -> float:
-        """Distance of the nearest possible tool pose from the wanted one [m] (0 if only the path is impossible).
-
-        Finding it takes longer than finding that there is no way, and planning never asks.
-        """
+        """Distance of the nearest possible tool pose from the wanted one [m] (0 if only the path is impossible); planning
+        never asks for it."""
         return self.measured() if callable(self.measured) else self.measured
 
 
@@ -186,8 +184,7 @@ def reach_from(grasp: Grasp, joints: Array, *, lift: float = FULL_LIFT) -> Reach
         return Unreachable(distance, "grasp")
     result: Reach | str = "lift"
     for height in _heights(lift):
-        result = _follow(grasp, pose, joints, 0.0, height)
-        if result != "lift":
+        if (result := _follow(grasp, pose, joints, 0.0, height)) != "lift":
             break
     return result if isinstance(result, Reach) else Unreachable(0.0, result)
 
@@ -250,8 +247,7 @@ def descents(pose: Array, start: Array, height: float, below: float) -> Iterator
         back = line_any(wanted, np.linspace(0.0, height, 6)[:, None] * up, joints)
         if back is None:
             continue
-        path = line_any(wanted, offsets, back[-1])
-        if path is not None and table_clearance(path[[-1]]) > 0.0:
+        if (path := line_any(wanted, offsets, back[-1])) is not None and table_clearance(path[[-1]]) > 0.0:
             yield path
             tried += 1
             if tried >= 3:
