@@ -1,6 +1,6 @@
 """The trials of a benchmark on disk: one line a row, on the disk before the next one, whole or absent after any kill.
 
-Only the parent process writes, one line per call, with fsync. A line that a kill cut off is taken away when the journal
+Only the parent process writes, with fsync after each call. A line that a kill cut off is taken away when the journal
 is opened again, and that trial is run once more.
 """
 
@@ -125,19 +125,23 @@ class Journal:
         if b"".join(kept) != content:
             write_atomically(path, b"".join(kept))
 
-    def append(self, row: Row) -> None:
-        """Writes a row; when this returns, no kill can take it away.
+    def append(self, *rows: Row) -> None:
+        """Writes rows; when this returns, no kill can take them away.
 
         Raises:
-            ValueError: the row is there already.
+            ValueError: a row is there already.
         """
-        if row.key in self.done:
-            raise ValueError(f"the row {row.key} is written already")
+        keys = [row.key for row in rows]
+        for number, key in enumerate(keys):
+            if key in self.done or key in keys[:number]:
+                raise ValueError(f"the row {key} is written already")
+        if not rows:
+            return
         assert self._file is not None
-        self._file.write(row.model_dump_json().encode() + b"\n")
+        self._file.write(b"".join(row.model_dump_json().encode() + b"\n" for row in rows))
         self._file.flush()
         os.fsync(self._file.fileno())
-        self.done.add(row.key)
+        self.done.update(keys)
 
     def note_session(self, session: dict[str, Any]) -> None:
         """Writes to run.json what this sitting has done so far (wall time, workers, command); replaces what it said before."""

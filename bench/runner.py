@@ -72,12 +72,13 @@ def run_benchmark(
         sitting = _Sitting(journal, command, workers, dask)
         ran = errors = 0
         try:
-            for row in _rows(todo, workers, dask):
-                journal.append(row)
-                ran += 1
-                errors += row.harness_error is not None
-                sitting.tell(ran)
-                on_row(done + ran, plan.rows, row)
+            for rows in _rows(todo, workers, dask):
+                journal.append(*rows)
+                for row in rows:
+                    ran += 1
+                    errors += row.harness_error is not None
+                    sitting.tell(ran)
+                    on_row(done + ran, plan.rows, row)
         finally:
             sitting.tell(ran, last=True)
         return Outcome(
@@ -128,21 +129,21 @@ def _commit() -> str | None:
     return said[0].strip() + ("+" if said[1].strip() else "")
 
 
-def _rows(todo: Sequence[Job], workers: int, dask: str | None) -> Iterator[Row]:
-    """The rows of the jobs, from the engine that fits."""
+def _rows(todo: Sequence[Job], workers: int, dask: str | None) -> Iterator[Sequence[Row]]:
+    """The rows of the jobs, from the engine that fits: those together that are written together."""
     if not todo:
         return iter(())
     if dask is not None:
         from bench.engines.dask_cluster import run_on_dask
 
-        return run_on_dask(todo, dask)
+        return ((row,) for row in run_on_dask(todo, dask))
     if workers > 1:
-        from bench.engines.processes import run_in_processes
+        from bench.engines.processes import batches_of_processes
 
-        return run_in_processes(todo, workers)
+        return batches_of_processes(todo, workers)
     from bench.engines.inline import run_inline
 
-    return run_inline(todo)
+    return ((row,) for row in run_inline(todo))
 
 
 def trials_file(folder: Path) -> Path:

@@ -13,6 +13,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -33,7 +34,13 @@ THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
 
 
 def run_in_processes(jobs: Sequence[Job], workers: int, *, patience: float = PATIENCE_S) -> Iterator[Row]:
-    """All rows of all jobs, in the order in which they are finished.
+    """All rows of all jobs, in the order in which they are finished; as `batches_of_processes`."""
+    for rows in batches_of_processes(jobs, workers, patience=patience):
+        yield from rows
+
+
+def batches_of_processes(jobs: Sequence[Job], workers: int, *, patience: float = PATIENCE_S) -> Iterator[Sequence[Row]]:
+    """All rows of all jobs, those that have come since the last ones together, so that they can be written in one go.
 
     Args:
         jobs: What is to be run.
@@ -47,7 +54,7 @@ def run_in_processes(jobs: Sequence[Job], workers: int, *, patience: float = PAT
     try:
         pool.hire(min(workers, len(jobs)))
         while pool.busy:
-            yield from pool.next_rows()
+            yield pool.next_rows()
     finally:
         pool.dismiss()
 
@@ -58,6 +65,8 @@ class _Worker:
     pipe: Connection
     job: Job | None = None
     """What it is doing; the configurations of finished rows are taken off."""
+    next: Job | None = None
+    """What it has been given to do after that, so that it need not wait while rows are written."""
     since: float = 0.0
     """When it was last heard of [s]."""
 
@@ -92,45 +101,55 @@ class _Pool:
             self._employ(worker)
 
     def _employ(self, worker: _Worker) -> None:
-        worker.job = self._waiting.popleft() if self._waiting else None
+        """The worker's next job, and one ahead unless so few are left that another worker would wait for it."""
+        worker.job, worker.next = worker.next or self._hand_out(worker), None
         worker.since = time.monotonic()
-        if worker.job is not None:
-            try:
-                worker.pipe.send(worker.job)
-            except OSError:
-                return  # it is dead: the broken pipe is found when it is read
+        if worker.job is not None and len(self._waiting) > len(self._workers):
+            worker.next = self._hand_out(worker)
 
-    def next_rows(self) -> Iterator[Row]:
-        """Waits until somebody reports, dies or is overdue, and yields what came of it."""
+    def _hand_out(self, worker: _Worker) -> Job | None:
+        job = self._waiting.popleft() if self._waiting else None
+        if job is not None:
+            with suppress(OSError):  # it is dead: the broken pipe is found when it is read
+                worker.pipe.send(job)
+        return job
+
+    def next_rows(self) -> list[Row]:
+        """Waits until somebody reports, dies or is overdue; what came of it."""
+        rows = list[Row]()
         pipes: dict[object, _Worker] = {worker.pipe: worker for worker in self._workers if worker.job is not None}
         for ready in wait(list(pipes), timeout=1.0):  # type: ignore[arg-type]
-            yield from self._hear(pipes[ready])
+            rows += self._hear(pipes[ready])
         for worker in list(self._workers):
             if worker.job is not None and time.monotonic() - worker.since > self._patience:
                 log.warning("a worker finished nothing for %.0f s and is replaced", self._patience)
                 worker.process.kill()
                 worker.since = time.monotonic()
+        return rows
 
     def _hear(self, worker: _Worker) -> Iterator[Row]:
-        try:
-            told: Row | None = worker.pipe.recv()
-        except (EOFError, OSError):
-            yield from self._bury(worker)
-            return
-        worker.since = time.monotonic()
-        if told is None:
-            self._employ(worker)
-            return
-        assert worker.job is not None
-        left = tuple(name for name in worker.job.configurations if name != told.configuration)
-        worker.job = worker.job.model_copy(update={"configurations": left})
-        self._in_a_row = 0
-        yield told
+        """All that it has said by now."""
+        while worker.job is not None and worker.pipe.poll():
+            try:
+                told: Row | None = worker.pipe.recv()
+            except (EOFError, OSError):
+                yield from self._bury(worker)
+                return
+            worker.since = time.monotonic()
+            if told is None:
+                self._employ(worker)
+                continue
+            left = tuple(name for name in worker.job.configurations if name != told.configuration)
+            worker.job = worker.job.model_copy(update={"configurations": left})
+            self._in_a_row = 0
+            yield told
 
     def _bury(self, worker: _Worker) -> Iterator[Row]:
         """Replaces a dead worker; what it left undone is done by another, unless it has cost too many lives."""
         worker.process.join()
         code, job = worker.process.exitcode, worker.job
+        if worker.next is not None:
+            self._waiting.appendleft(worker.next)
         self._workers.remove(worker)
         worker.pipe.close()
         self._in_a_row += 1

@@ -58,6 +58,12 @@ def test_doubled_rows_are_refused(tmp_path: Path) -> None:
         journal.append(row())
         with pytest.raises(ValueError, match="written already"):
             journal.append(row())
+        with pytest.raises(ValueError, match="written already"):
+            journal.append(row(1), row(1))
+        journal.append(row(1), row(2))
+        journal.append()
+    with Journal(tmp_path, ANALYTIC, resume=True) as journal:
+        assert len(journal.done) == 3
 
 
 def test_other_trials_need_resume(tmp_path: Path) -> None:

@@ -200,8 +200,8 @@ def test_a_trial_needs_no_heavy_library() -> None:
 
 
 def test_processes_give_the_rows_of_one_process() -> None:
-    """Two workers and this process give the same rows."""
-    work = [job(trial, "single_cube", ANALYTIC, "full", "heuristic") for trial in range(2)]
+    """Two workers, each with its next job in hand, and this process give the same rows."""
+    work = [job(trial, "single_cube", ANALYTIC, "full", "heuristic") for trial in range(8)]
 
     def by_key(rows: Any) -> dict[Any, Any]:
         found: list[Row] = list(rows)
