@@ -8,6 +8,8 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
+import numpy as np
+
 from tools.open_world import OpenedWorld
 
 
@@ -73,11 +75,20 @@ class WatchedRobot:
 
     def hashes(self) -> tuple[str, ...]:
         """Name and content hash of each picture of the last look; the pictures themselves never enter the state."""
-        return tuple(f"{view.name}:{_digest(view.rgb.tobytes() + view.depth.tobytes())}" for view in self.views)
+        return tuple(f"{view.name}:{_digest(_bytes(view.rgb), _bytes(view.depth))}" for view in self.views)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._robot, name)
 
 
-def _digest(blob: bytes) -> str:
-    return hashlib.blake2b(blob, digest_size=16).hexdigest()
+def _digest(*blobs: Any) -> str:
+    """Of all bytes one after the other."""
+    made = hashlib.blake2b(digest_size=16)
+    for blob in blobs:
+        made.update(blob)
+    return made.hexdigest()
+
+
+def _bytes(picture: Any) -> memoryview:
+    """The picture's bytes, without a copy."""
+    return np.ascontiguousarray(picture).data.cast("B")

@@ -75,11 +75,13 @@ _ROWS: TypeAdapter[tuple[Row, ...]] = TypeAdapter(tuple[Row, ...])
 class Timeline:
     """The rows, the oldest first. `tell` is called whenever they change; methods may be called from any thread."""
 
-    def __init__(self, tell: Callable[[list[dict[str, Any]]], None] = lambda _rows: None) -> None:
+    def __init__(self, tell: Callable[[list[dict[str, Any]]], None] | None = None) -> None:
         self._tell = tell
         self._lock = threading.RLock()
         self._rows: list[Row] = []
         self._kept: list[Row] = []
+        self._words: dict[int, tuple[Row, str]] = {}
+        """The kept rows and their JSON, by the row's identity."""
         self._grasps: dict[int, Any] = {}
         self._file: Path | None = None
 
@@ -106,7 +108,7 @@ class Timeline:
         """
         with self._lock:
             self._file = None if folder is None else folder / FILE
-            self._kept = [] if self._file is None else _read(self._file)
+            self._kept, self._words = [] if self._file is None else _read(self._file), {}
             self._grasps = {}
             self._show(_restored(self._kept, state, motions))
 
@@ -118,7 +120,9 @@ class Timeline:
             ended = [row for row in self._rows if row.state != "moving"]
             new = {(row.motion, row.mark) for row in ended}
             self._kept = [*(row for row in self._kept if (row.motion, row.mark) not in new), *ended][-KEPT:]
-            text = json.dumps([row.model_dump(mode="json", exclude_defaults=True) for row in self._kept])
+            # Rows never change once they are made, so each is put into words once.
+            self._words = {id(row): self._words.get(id(row)) or (row, _words(row)) for row in self._kept}
+            text = f"[{', '.join(words for _, words in self._words.values())}]"
         try:
             part = self._file.with_suffix(".part")
             part.write_text(text, encoding="utf-8")
@@ -199,7 +203,12 @@ class Timeline:
 
     def _show(self, rows: list[Row]) -> None:
         self._rows = rows[-SHOWN:]
-        self._tell(self.rows)
+        if self._tell is not None:
+            self._tell(self.rows)
+
+
+def _words(row: Row) -> str:
+    return json.dumps(row.model_dump(mode="json", exclude_defaults=True))
 
 
 def curve(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -44,6 +44,7 @@ from kb.errors import BadInputError, RagVlmError
 
 if TYPE_CHECKING:
     from agent.chat.history import Point
+    from agent.chat.spans import Spans
     from agent.events import BaseStep
 
 
@@ -57,6 +58,7 @@ class Conversation(Questions):
     def __init__(self, agent: Agent, *, folder: Path | None = None, lock: SessionLock | None = None) -> None:
         """Use `open`."""
         super().__init__(agent, folder=folder, lock=lock)
+        self._spans: Spans | None = None
         self._mail: queue.SimpleQueue[str] = queue.SimpleQueue()
         agent.context.mail = self._letters
         agent.context.folder = folder
@@ -105,7 +107,8 @@ class Conversation(Questions):
         if folder is not None and thread is not None:
             from agent.chat.spans import Spans
 
-            agent.config["callbacks"] = [Spans(folder, thread)]
+            talk._spans = Spans(folder, thread)
+            agent.config["callbacks"] = [talk._spans]
         talk.asks = asks or (folder is not None and kept_asks(folder))
         talk._stand()
         return talk
@@ -119,6 +122,8 @@ class Conversation(Questions):
     def close(self) -> None:
         """Stops the robot and gives the thread free."""
         self.agent.stop()
+        if self._spans is not None:
+            self._spans.close()
         if self._lock is not None:
             self._lock.release()
 

@@ -12,7 +12,7 @@ import secrets
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 from uuid import UUID
 
 from langchain_core.callbacks import BaseCallbackHandler
@@ -37,6 +37,7 @@ class Spans(BaseCallbackHandler):
         self._lock = threading.Lock()
         self._collector = otlp.address()
         self._ended: list[dict[str, Any]] = []
+        self._stream: TextIO | None = None
 
     # Nodes of the graph; a run without a parent is the turn --------------------------------------------------------
 
@@ -105,6 +106,13 @@ class Spans(BaseCallbackHandler):
         """It failed."""
         self._end(run_id, "", error)
 
+    def close(self) -> None:
+        """Nothing is written any more, until the next span."""
+        with self._lock:
+            if self._stream is not None:
+                self._stream.close()
+                self._stream = None
+
     # Writing --------------------------------------------------------------------------------------------------------
 
     def _begin(
@@ -154,11 +162,15 @@ class Spans(BaseCallbackHandler):
 
     def _write(self, span: dict[str, Any]) -> None:
         try:
-            self._file.parent.mkdir(parents=True, exist_ok=True)
-            if self._file.exists() and self._file.stat().st_size > MAX_BYTES:
+            if self._stream is not None and self._stream.tell() > MAX_BYTES:
+                self._stream.close()
+                self._stream = None
                 self._file.replace(self._file.with_name("spans.1.jsonl"))
-            with self._file.open("a", encoding="utf-8") as stream:
-                stream.write(json.dumps(span) + "\n")
+            if self._stream is None:  # it stays open: a turn has some fifty spans
+                self._file.parent.mkdir(parents=True, exist_ok=True)
+                self._stream = self._file.open("a", encoding="utf-8")
+            self._stream.write(json.dumps(span) + "\n")
+            self._stream.flush()
         except OSError:
             return
 
