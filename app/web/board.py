@@ -116,7 +116,7 @@ class Board:
                 self._see(state.percept)
             if state.plan is not None:
                 self.put("plan", plan_panel(state.plan, self.name(state.plan.target)))
-                self.put("constraints", list(measured) or self._watched(state.constraints))
+            self.put("constraints", list(measured) or self._watched(state.constraints))
 
     # Steps of the conversation ------------------------------------------------------------------------------------
 

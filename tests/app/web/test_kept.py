@@ -9,10 +9,12 @@ from types import SimpleNamespace
 import numpy as np
 
 from app.timeline import CURVE_POINTS, curve
+from app.web.board import Board
 from app.web.replays import KEPT, Replays
 from app.web.rows import measurement
 from app.web.transcript import FILE, Transcript, entry_of, world_mark
 from app.web.transcript import KEPT as ENTRIES
+from kb.constraint import Constraints
 
 
 def _entry(number: int) -> dict[str, object]:
@@ -80,6 +82,17 @@ def test_lamps_come_back_with_the_world_they_were_measured_in(tmp_path: Path) ->
     assert again.lamps(world_mark(SimpleNamespace(world=b"here"))) == [lamp]
     assert again.lamps(world_mark(SimpleNamespace(world=b"there")))[0]["state"] == "broken"
     assert again.lamps(world_mark(SimpleNamespace(world=b""))) == []
+
+
+def test_a_session_taken_up_shows_its_lamps() -> None:
+    """What was measured last, also when no plan is left; what is only watched where nothing was measured."""
+    lamp = {"kind": "clearance", "target": "vase", "reason": "near", "gap": 12, "state": "kept", "measured": []}
+    board = Board(lambda _part, _value: None)
+    state = SimpleNamespace(percept=None, plan=None, constraints=Constraints())
+    board.restore(state, [lamp])
+    assert board.parts["constraints"] == [lamp]
+    board.restore(state, [])
+    assert board.parts["constraints"] == []
 
 
 def test_a_folder_that_cannot_be_written_costs_nothing_in_memory(tmp_path: Path) -> None:
