@@ -42,6 +42,8 @@ class Terminal:
         self._leaving = False
         self._halted = False
         """Ctrl-C has stopped the robot, and the person has not been told yet."""
+        self._late = False
+        """Ctrl-C came after the prompt had ended."""
         self._released = False
         """The person has released the robot, which counts when the turn has ended; Ctrl-C before that stops again."""
         self._turning = threading.Lock()
@@ -67,6 +69,8 @@ class Terminal:
                         line = self._prompt.prompt(self._label, pre_run=self._begin)
                         presses = 0
                         self._take(line)  # Ctrl-C right after Enter counts as well
+                        if self._late:
+                            raise KeyboardInterrupt
                     except EOFError:
                         break
                     except KeyboardInterrupt:
@@ -173,8 +177,13 @@ class Terminal:
         else:
             app.invalidate()
 
-    def _halt(self) -> None:
-        """Ctrl-C as the key comes: the robot stops before the prompt is taken down."""
+    def _halt(self, *, late: bool = False) -> None:
+        """Ctrl-C as the key comes: the robot stops before the prompt is taken down.
+
+        Args:
+            late: The prompt is down already, by Enter or another Ctrl-C; the key is dealt with when it has returned.
+        """
+        self._late = self._late or late
         if self.busy and (self._released or not self._talk.conversation.stopped):
             self._talk.conversation.stop()
             self._halted, self._released = True, False
@@ -182,6 +191,7 @@ class Terminal:
     def _interrupted(self, presses: int) -> bool:
         """Ctrl-C: stops the robot first, leaves the chat second; False to leave."""
         self._halt()
+        self._late = False
         if self._halted:
             self._halted = False
             self._talk.printer.say("stopped: I hold still until /release; Ctrl-C again leaves", "bold red")
@@ -236,8 +246,10 @@ def _prompt_session(refuse_paste: Any, halt: Any) -> PromptSession[str]:
     @keys.add("<sigint>", eager=True)  # what Ctrl-C is while something is printed above the prompt
     @keys.add("c-c", eager=True)
     def _(event: Any) -> None:
-        halt()
-        event.app.exit(exception=KeyboardInterrupt(), style="class:aborting")
+        ends = event.app.future is not None and not event.app.is_done
+        halt(late=not ends)
+        if ends:
+            event.app.exit(exception=KeyboardInterrupt(), style="class:aborting")
 
     choices: dict[str, Any] = dict.fromkeys(NAMES)
     choices["/scene"] = dict.fromkeys(scenes(""))
