@@ -43,7 +43,7 @@ class Terminal:
         self._halted = False
         """Ctrl-C has stopped the robot, and the person has not been told yet."""
         self._late = False
-        """Ctrl-C came after the prompt had ended."""
+        """Ctrl-C came and the prompt has not returned with it yet."""
         self._released = False
         """The person has released the robot, which counts when the turn has ended; Ctrl-C before that stops again."""
         self._turning = threading.Lock()
@@ -58,7 +58,10 @@ class Terminal:
         """Talks until the person leaves; returns the exit code."""
         from prompt_toolkit.patch_stdout import patch_stdout
 
-        former = signal.signal(signal.SIGTERM, self._on_terminate)
+        former = {
+            signal.SIGTERM: signal.signal(signal.SIGTERM, self._on_terminate),
+            signal.SIGINT: signal.signal(signal.SIGINT, self._on_interrupt),
+        }
         patience = sys.getswitchinterval()
         sys.setswitchinterval(SWITCH_S)
         presses = 0
@@ -66,7 +69,7 @@ class Terminal:
             with patch_stdout(raw=True):
                 while not self._leaving:
                     try:
-                        line = self._prompt.prompt(self._label, pre_run=self._begin)
+                        line = self._prompt.prompt(self._label, pre_run=self._begin, handle_sigint=False)
                         presses = 0
                         self._take(line)  # Ctrl-C right after Enter counts as well
                         if self._late:
@@ -80,7 +83,8 @@ class Terminal:
                             break
                 self._end()
         finally:
-            signal.signal(signal.SIGTERM, former)
+            for number, handler in former.items():
+                signal.signal(number, handler)
             sys.setswitchinterval(patience)
         if self._failure is not None:
             raise self._failure
@@ -115,6 +119,8 @@ class Terminal:
 
     def _begin(self) -> None:
         """Begins the turn once the prompt stands: until then a key would wait for it to be drawn."""
+        if self._late:
+            self._wake()
         worker = self._worker
         if worker is not None and worker.ident is None:
             loop = self._prompt.app.loop
@@ -174,15 +180,13 @@ class Terminal:
             return
         if self._leaving:
             loop.call_soon_threadsafe(_leave, app)
+        elif self._late:
+            loop.call_soon_threadsafe(_abort, app)
         else:
             app.invalidate()
 
     def _halt(self, *, late: bool = False) -> None:
-        """Ctrl-C as the key comes: the robot stops before the prompt is taken down.
-
-        Args:
-            late: The prompt is down already, by Enter or another Ctrl-C; the key is dealt with when it has returned.
-        """
+        """Ctrl-C as it comes: the robot stops before the prompt is taken down, or, if it is down already, has returned."""
         self._late = self._late or late
         if self.busy and (self._released or not self._talk.conversation.stopped):
             self._talk.conversation.stop()
@@ -200,6 +204,11 @@ class Terminal:
             return False
         self._talk.printer.say("Ctrl-C again or /quit leaves")
         return True
+
+    def _on_interrupt(self, _number: int, _frame: Any) -> None:
+        """Ctrl-C while something is printed above the prompt, or between two prompts: a signal, not a key."""
+        self._halt(late=True)
+        self._wake()
 
     def _on_terminate(self, _number: int, _frame: Any) -> None:
         """SIGTERM: the robot stops at once, then the chat ends; what was done is saved."""
@@ -223,6 +232,11 @@ def _leave(app: Any) -> None:
         app.exit(exception=EOFError())
 
 
+def _abort(app: Any) -> None:
+    if app.is_running and app.future is not None and not app.is_done:
+        app.exit(exception=KeyboardInterrupt(), style="class:aborting")
+
+
 def _prompt_session(refuse_paste: Any, halt: Any) -> PromptSession[str]:
     from prompt_toolkit import PromptSession
     from prompt_toolkit.auto_suggest import AutoSuggestFromHistory
@@ -243,13 +257,10 @@ def _prompt_session(refuse_paste: Any, halt: Any) -> PromptSession[str]:
 
         event.current_buffer.insert_text(heard(event.data))
 
-    @keys.add("<sigint>", eager=True)  # what Ctrl-C is while something is printed above the prompt
     @keys.add("c-c", eager=True)
     def _(event: Any) -> None:
-        ends = event.app.future is not None and not event.app.is_done
-        halt(late=not ends)
-        if ends:
-            event.app.exit(exception=KeyboardInterrupt(), style="class:aborting")
+        halt(late=True)
+        _abort(event.app)
 
     choices: dict[str, Any] = dict.fromkeys(NAMES)
     choices["/scene"] = dict.fromkeys(scenes(""))
