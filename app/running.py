@@ -58,7 +58,7 @@ def run_once(instruction: str, options: RunOptions) -> int:
         refuse_unwritable_file(Path(str(options.json)), where="--json")
     record = _make_record(options)
     with Session(options) as session:
-        Garbage()
+        Garbage()  # from now on no long search for garbage delays a stop
         if session.unfinished == words:
             console.print(f"going on where thread {options.thread} was interrupted")
         if record is not None:

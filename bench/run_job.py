@@ -59,14 +59,12 @@ def _collected_after(job: Job) -> Iterator[None]:
     Where nobody else looks for it (`tidied_here`), small worlds are cleared away several at a time.
     """
     _keep_what_stays(job.settings.embedder, job.settings.kb_url)
-    was = gc.isenabled()
-    gc.disable()
+    alone = gc.isenabled()
     try:
-        yield
+        with tidied_here():
+            yield
     finally:
-        if was:
-            gc.enable()
-        if was or job.settings.evaluator != "analytic" or next(_finished) % TIDIED_EVERY == 0:
+        if alone or job.settings.evaluator != "analytic" or next(_finished) % TIDIED_EVERY == 0:
             gc.collect(1)
 
 

@@ -77,8 +77,7 @@ class Terminal:
                     except EOFError:
                         break
                     except KeyboardInterrupt:
-                        presses += 1
-                        if not self._interrupted(presses):
+                        if not self._interrupted(presses := presses + 1):
                             self._code = INTERRUPTED
                             break
                 self._end()
