@@ -93,7 +93,7 @@ def build_agent(
     seeing = chosen.perception or perception
     saver = memory_saver() if thread is None else sqlite_saver(Path(threads) if threads else default_threads())
     compiled = (graph or compile_graph)(saver)
-    kept = compiled.get_state({"configurable": {"thread_id": thread or "here"}}).values
+    kept = _kept(compiled, thread)
     scene, seed = _same_world(kept, scene, seed, thread)
     opened = opened or open_world(scene, seed, evaluator=evaluator, noise=noise)
     stop = opened.stop
@@ -135,6 +135,22 @@ def _refuse_nameless(perception: str, brain: Brain) -> None:
             "perception 'vlm' needs a vision-language model",
             mend="add --brain openai:MODEL or --brain hf:FOLDER, or use --perception rgbd",
         )
+
+
+def _kept(compiled: Any, thread: str | None) -> dict[str, Any]:
+    """The state in which the thread was left; empty for a new one.
+
+    Raises:
+        EnvironmentFaultError: the file of threads is damaged.
+    """
+    import sqlite3
+
+    try:
+        return compiled.get_state({"configurable": {"thread_id": thread or "here"}}).values
+    except sqlite3.Error as error:
+        raise EnvironmentFaultError(
+            f"cannot read the thread {thread!r}: {error}", mend="take another --thread, or import a copy of the session"
+        ) from error
 
 
 def _same_world(kept: dict[str, Any], scene: str | None, seed: int | None, thread: str | None) -> tuple[str, int]:

@@ -30,6 +30,9 @@ TYPES: tuple[tuple[str, str], ...] = (
 )
 """The types that stand in the state; everything inside them is plain data that pydantic validates again."""
 
+PARTS = "parts"
+"""The table of a thread's large values (`agent.thread_saver`), and where a checkpoint's metadata names them."""
+
 
 def serializer() -> Any:
     """The serializer of checkpoints: LangGraph's, allowed to bring back our types and no others."""
@@ -66,12 +69,12 @@ def sqlite_saver(path: Path) -> Any:
     """
     import sqlite3
 
-    from langgraph.checkpoint.sqlite import SqliteSaver
+    from agent.thread_saver import ThreadSaver
 
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         connection = sqlite3.connect(str(path), check_same_thread=False, timeout=30.0)
-        saver = SqliteSaver(connection, serde=serializer())
+        saver = ThreadSaver(connection, serde=serializer())
         saver.setup()
         connection.execute("PRAGMA synchronous = NORMAL")
     except (OSError, sqlite3.Error) as error:
@@ -111,4 +114,5 @@ def prune(saver: Any, thread: str, keep: int = KEPT) -> None:
                    AND parent_checkpoint_id IS NOT NULL) ORDER BY checkpoint_id DESC LIMIT :ends)"""
         for table in ("writes", "checkpoints"):
             saver.conn.execute(f"DELETE FROM {table} WHERE {old}", {"thread": thread, "keep": keep, "ends": ENDS})
+        saver.prune_parts(thread)
         saver.conn.commit()

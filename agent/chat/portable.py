@@ -11,16 +11,18 @@ from typing import Any
 
 from agent.chat.session_lock import SessionLock
 from agent.chat.sessions import folder_of, list_sessions, threads_file
-from agent.checkpoint import sqlite_saver
+from agent.checkpoint import PARTS, sqlite_saver
 from kb.errors import BadInputError, EnvironmentFaultError
 
-FORMAT = "ragvlm-session-1"
+FORMAT, FORMER = "ragvlm-session-2", ("ragvlm-session-1",)
+"""What is written, and what is read as well: a file in which every checkpoint holds all its values itself."""
 MAX_BYTES = 300_000_000
 """A session larger than this, packed or unpacked, is neither written nor read."""
 MAX_FILES = 2_000
 COLUMNS = {
     "checkpoints": ("checkpoint_ns", "checkpoint_id", "parent_checkpoint_id", "type", "checkpoint", "metadata"),
     "writes": ("checkpoint_ns", "checkpoint_id", "task_id", "idx", "channel", "type", "value"),
+    PARTS: ("name", "type", "value"),
 }
 """Tables of the checkpointer and their columns besides the thread's name."""
 TYPES = ("msgpack", "json", "null", "bytes", "empty", None)
@@ -77,7 +79,7 @@ def import_session(
             _refuse_huge(packed, file)
             card = json.loads(packed.read("session.json"))
             name = thread or str(card.get("thread", ""))
-            if card.get("format") != FORMAT or NAME.fullmatch(name) is None:
+            if card.get("format") not in (FORMAT, *FORMER) or NAME.fullmatch(name) is None:
                 raise BadInputError("this is not a session of this version", where=str(file), choices=(FORMAT,))
             rows = _read_rows(packed.read("checkpoints.sqlite"), file)
             extras = {item: packed.read(item) for item in packed.namelist() if item.startswith("files/")}
@@ -107,16 +109,23 @@ def _rows_of(thread: str, path: Path) -> bytes:
     source = sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=30.0)
     target = sqlite3.connect(":memory:")
     try:
+        source.execute("BEGIN")  # one moment of all tables, also while the session is in use
         for table, columns in COLUMNS.items():
             names, marks = ", ".join(columns), ", ".join("?" for _ in columns)
             target.execute(f"CREATE TABLE {table} ({names})")
-            rows = source.execute(f"SELECT {names} FROM {table} WHERE thread_id = ?", (thread,))
-            target.executemany(f"INSERT INTO {table} VALUES ({marks})", rows)
+            if _has(source, table):
+                rows = source.execute(f"SELECT {names} FROM {table} WHERE thread_id = ?", (thread,))
+                target.executemany(f"INSERT INTO {table} VALUES ({marks})", rows)
         target.commit()
         return bytes(target.serialize())
     finally:
         source.close()
         target.close()
+
+
+def _has(database: sqlite3.Connection, table: str) -> bool:
+    """Whether the table is there: a file of an earlier version has no values kept apart."""
+    return bool(database.execute("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", (table,)).fetchall())
 
 
 def _read_rows(blob: bytes, file: Path) -> dict[str, list[tuple[Any, ...]]]:
@@ -127,7 +136,8 @@ def _read_rows(blob: bytes, file: Path) -> dict[str, list[tuple[Any, ...]]]:
         database.execute("PRAGMA trusted_schema = OFF")
         found: dict[str, list[tuple[Any, ...]]] = {}
         for table, columns in COLUMNS.items():
-            rows = database.execute(f"SELECT {', '.join(columns)} FROM {table}").fetchall()
+            former = table == PARTS and not _has(database, table)
+            rows = [] if former else database.execute(f"SELECT {', '.join(columns)} FROM {table}").fetchall()
             kind = columns.index("type")
             if any(row[kind] not in TYPES for row in rows):
                 raise BadInputError("it holds values of a kind that is not read", where=str(file))

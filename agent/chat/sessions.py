@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agent.chat.session_lock import SessionLock
-from agent.checkpoint import default_threads
+from agent.checkpoint import default_threads, sqlite_saver
 from kb.base import Noun
 from kb.errors import BadInputError, EnvironmentFaultError
 
@@ -67,13 +67,11 @@ def delete_session(thread: str, threads: str | Path | None = None) -> None:
         raise BadInputError(f"there is no session {thread!r}", where="sessions", choices=known)
     lock = SessionLock(folder)
     try:
-        connection = sqlite3.connect(str(path), timeout=30.0)
+        saver = sqlite_saver(path)
         try:
-            with connection:
-                for table in ("writes", "checkpoints"):
-                    connection.execute(f"DELETE FROM {table} WHERE thread_id = ?", (thread,))
+            saver.delete_thread(thread)
         finally:
-            connection.close()
+            saver.conn.close()
         shutil.rmtree(folder, ignore_errors=True)
     except sqlite3.Error as error:
         raise _fault(path, error) from error
