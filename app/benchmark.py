@@ -17,7 +17,7 @@ from kb.errors import BadInputError
 
 if TYPE_CHECKING:
     from bench.job import BenchPlan
-    from bench.row import Row
+    from bench.row import RowLine
 
 DEFAULT_SEED = 20_000
 """First seed of the evaluation range (benchmark section 2)."""
@@ -224,7 +224,7 @@ class Progress:
             self._line = self._bar.add_task("", total=rows, completed=done)
             self._bar.start()
 
-    def step(self, done: int, rows: int, row: Row) -> None:
+    def step(self, done: int, rows: int, row: RowLine) -> None:
         """One more row."""
         word = "harness error" if row.harness_error else "success" if row.success else "failure"
         if row.harness_error:

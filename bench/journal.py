@@ -18,7 +18,7 @@ from typing import IO, Any
 from pydantic import ValidationError
 
 from bench.job import RowKey, Settings
-from bench.row import Row
+from bench.row import Row, RowLine
 from kb.errors import BadInputError, EnvironmentFaultError
 
 log = logging.getLogger(__name__)
@@ -125,7 +125,7 @@ class Journal:
         if b"".join(kept) != content:
             write_atomically(path, b"".join(kept))
 
-    def append(self, *rows: Row) -> None:
+    def append(self, *rows: RowLine) -> None:
         """Writes rows; when this returns, no kill can take them away.
 
         Raises:
@@ -138,7 +138,7 @@ class Journal:
         if not rows:
             return
         assert self._file is not None
-        self._file.write(b"".join(row.model_dump_json().encode() + b"\n" for row in rows))
+        self._file.write(b"".join(row.text + b"\n" for row in rows))
         self._file.flush()
         os.fsync(self._file.fileno())
         self.done.update(keys)

@@ -2,10 +2,41 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from pydantic import Field
 
 from bench.job import Job, RowKey
 from kb.run_result import RunResult
+
+
+class RowLine(NamedTuple):
+    """A finished row as it stands in the file, with what the runner asks of it.
+
+    Text is what goes between processes: to take a row apart and put it together again there takes longer than to write it.
+    """
+
+    key: RowKey
+    seed: int | None
+    success: bool
+    harness_error: str | None
+    text: bytes
+    """The row as JSON, without the end of the line."""
+
+    @property
+    def configuration(self) -> str:
+        """Configuration that was run."""
+        return self.key[0]
+
+    @property
+    def task(self) -> str:
+        """Task that it was run on."""
+        return self.key[1]
+
+    @property
+    def row(self) -> Row:
+        """The row itself, read from the text."""
+        return Row.model_validate_json(self.text)
 
 
 class Row(RunResult):
@@ -40,6 +71,11 @@ class Row(RunResult):
     def key(self) -> RowKey:
         """What makes it unique."""
         return self.configuration, self.task, self.repetition, self.trial, self.noise
+
+    @property
+    def line(self) -> RowLine:
+        """The row as it is written."""
+        return RowLine(self.key, self.seed, self.success, self.harness_error, self.model_dump_json().encode())
 
 
 def row_of(

@@ -11,12 +11,12 @@ from typing import Any
 
 from bench.job import BenchPlan, Job, jobs
 from bench.journal import TRIALS, Journal
-from bench.row import Row
+from bench.row import RowLine
 
 TOLD_EVERY_S = 10.0
 """How often the record of the sitting is brought up to date [s]."""
 
-OnRow = Callable[[int, int, Row], None]
+OnRow = Callable[[int, int, RowLine], None]
 """Told after each row: rows of the plan done, rows of the plan in all, the row."""
 
 
@@ -129,7 +129,7 @@ def _commit() -> str | None:
     return said[0].strip() + ("+" if said[1].strip() else "")
 
 
-def _rows(todo: Sequence[Job], workers: int, dask: str | None) -> Iterator[Sequence[Row]]:
+def _rows(todo: Sequence[Job], workers: int, dask: str | None) -> Iterator[Sequence[RowLine]]:
     """The rows of the jobs, from the engine that fits: those together that are written together."""
     if not todo:
         return iter(())

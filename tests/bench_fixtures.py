@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.job import Job, Settings
-from bench.row import Row, error_row
+from bench.row import Row, RowLine, error_row
 from bench.suite import tasks_of
 
 TIMES = (
@@ -41,9 +41,10 @@ def row(trial: int = 0, configuration: str = "full") -> Row:
     return error_row(job(trial), configuration, "made by hand")
 
 
-def lasting(row: Row | dict[str, Any]) -> dict[str, Any]:
+def lasting(row: Row | RowLine | dict[str, Any]) -> dict[str, Any]:
     """What of a row must be the same whenever it is run."""
-    content = json.loads(row.model_dump_json()) if isinstance(row, Row) else dict(row)
+    line = row.line if isinstance(row, Row) else row
+    content = json.loads(line.text) if isinstance(line, RowLine) else dict(line)
     return {key: value for key, value in content.items() if key not in TIMES}
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from bench.job import Job
-from bench.row import Row, error_row
+from bench.row import RowLine, error_row
 from kb.errors import EnvironmentFaultError
 
 log = logging.getLogger(__name__)
@@ -22,7 +22,7 @@ LIVES = 3
 """Deaths of workers in one and the same job after which it counts as a harness error."""
 
 
-def run_on_dask(jobs: Sequence[Job], address: str, *, connect_s: float = CONNECT_S) -> Iterator[Row]:
+def run_on_dask(jobs: Sequence[Job], address: str, *, connect_s: float = CONNECT_S) -> Iterator[RowLine]:
     """All rows of all jobs, job by job in the order in which they are finished.
 
     Args:
@@ -39,22 +39,22 @@ def run_on_dask(jobs: Sequence[Job], address: str, *, connect_s: float = CONNECT
         for future in as_completed(list(futures), loop=client.loop):
             job = futures.pop(future)
             if future.status == "finished":
-                texts: list[str] = future.result()
-                yield from (Row.model_validate_json(text) for text in texts)
+                lines: list[tuple[Any, ...]] = future.result()
+                yield from (RowLine(*line) for line in lines)
             else:
                 said = f"{type(future.exception()).__name__}: {future.exception()}"
                 log.warning("%s seed %d did not run: %s", job.task.name, job.seed, said)
-                yield from (error_row(job, configuration, said) for configuration in job.configurations)
+                yield from (error_row(job, configuration, said).line for configuration in job.configurations)
             future.release()
     finally:
         client.close()
 
 
-def run_as_text(job: str) -> list[str]:
-    """Runs a job on a worker: JSON in, JSON out."""
+def run_as_text(job: str) -> list[tuple[Any, ...]]:
+    """Runs a job on a worker: JSON in, the fields of `RowLine` out."""
     from bench.run_job import run_job
 
-    return [row.model_dump_json() for row in run_job(Job.model_validate_json(job))]
+    return [tuple(row.line) for row in run_job(Job.model_validate_json(job))]
 
 
 def _client(address: str, connect_s: float) -> tuple[Any, Any]:

@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
 from bench.job import Job, RowKey
-from bench.row import Row, error_row
+from bench.row import RowLine, error_row
 from kb.errors import EnvironmentFaultError
 
 log = logging.getLogger(__name__)
@@ -33,13 +33,15 @@ PATIENCE_S = 900.0
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def run_in_processes(jobs: Sequence[Job], workers: int, *, patience: float = PATIENCE_S) -> Iterator[Row]:
+def run_in_processes(jobs: Sequence[Job], workers: int, *, patience: float = PATIENCE_S) -> Iterator[RowLine]:
     """All rows of all jobs, in the order in which they are finished; as `batches_of_processes`."""
     for rows in batches_of_processes(jobs, workers, patience=patience):
         yield from rows
 
 
-def batches_of_processes(jobs: Sequence[Job], workers: int, *, patience: float = PATIENCE_S) -> Iterator[Sequence[Row]]:
+def batches_of_processes(
+    jobs: Sequence[Job], workers: int, *, patience: float = PATIENCE_S
+) -> Iterator[Sequence[RowLine]]:
     """All rows of all jobs, those that have come since the last ones together, so that they can be written in one go.
 
     Args:
@@ -114,9 +116,9 @@ class _Pool:
                 worker.pipe.send(job)
         return job
 
-    def next_rows(self) -> list[Row]:
+    def next_rows(self) -> list[RowLine]:
         """Waits until somebody reports, dies or is overdue; what came of it."""
-        rows = list[Row]()
+        rows = list[RowLine]()
         pipes: dict[object, _Worker] = {worker.pipe: worker for worker in self._workers if worker.job is not None}
         for ready in wait(list(pipes), timeout=1.0):  # type: ignore[arg-type]
             rows += self._hear(pipes[ready])
@@ -127,11 +129,11 @@ class _Pool:
                 worker.since = time.monotonic()
         return rows
 
-    def _hear(self, worker: _Worker) -> Iterator[Row]:
+    def _hear(self, worker: _Worker) -> Iterator[RowLine]:
         """All that it has said by now."""
         while worker.job is not None and worker.pipe.poll():
             try:
-                told: Row | None = worker.pipe.recv()
+                told: RowLine | None = worker.pipe.recv()
             except (EOFError, OSError):
                 yield from self._bury(worker)
                 return
@@ -144,7 +146,7 @@ class _Pool:
             self._in_a_row = 0
             yield told
 
-    def _bury(self, worker: _Worker) -> Iterator[Row]:
+    def _bury(self, worker: _Worker) -> Iterator[RowLine]:
         """Replaces a dead worker; what it left undone is done by another, unless it has cost too many lives."""
         worker.process.join()
         code, job = worker.process.exitcode, worker.job
@@ -163,7 +165,8 @@ class _Pool:
             self._deaths[key] = self._deaths.get(key, 0) + 1
             log.warning("a worker died (exit code %s) in %s; it is replaced", code, key)
             if self._deaths[key] >= LIVES:
-                yield error_row(job, key[0], f"the worker process died {LIVES} times here, last with exit code {code}")
+                said = f"the worker process died {LIVES} times here, last with exit code {code}"
+                yield error_row(job, key[0], said).line
                 job = job.model_copy(update={"configurations": job.configurations[1:]})
             if job.configurations:
                 self._waiting.appendleft(job)
@@ -199,7 +202,7 @@ def _work(pipe: Connection) -> None:
             except (EOFError, OSError):
                 return
             for row in run_job(job):
-                pipe.send(row)
+                pipe.send(row.line)
             pipe.send(None)
 
 

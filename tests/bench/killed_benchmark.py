@@ -14,7 +14,7 @@ import threading
 from pathlib import Path
 
 from bench.job import BenchPlan
-from bench.row import Row
+from bench.row import RowLine
 from bench.runner import run_benchmark
 from bench.suite import tasks_of
 from tests.bench_fixtures import ANALYTIC
@@ -38,7 +38,7 @@ def main(folder: str, workers: str, victim: str, after: str, delay: str) -> None
         if pid is not None:
             os.kill(pid, signal.SIGKILL)
 
-    def on_row(_done: int, _all: int, _row: Row) -> None:
+    def on_row(_done: int, _all: int, _row: RowLine) -> None:
         nonlocal rows
         rows += 1
         if victim != "nobody" and rows == int(after):

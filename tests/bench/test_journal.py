@@ -17,7 +17,7 @@ def _filled(folder: Path, count: int = 3) -> bytes:
     """A journal with some rows; returns the bytes on disk."""
     with Journal(folder, ANALYTIC) as journal:
         for trial in range(count):
-            journal.append(row(trial))
+            journal.append(row(trial).line)
     return (folder / "trials.jsonl").read_bytes()
 
 
@@ -55,12 +55,12 @@ def test_broken_and_doubled_lines_go(tmp_path: Path) -> None:
 def test_doubled_rows_are_refused(tmp_path: Path) -> None:
     """The journal never writes a trial twice."""
     with Journal(tmp_path, ANALYTIC) as journal:
-        journal.append(row())
+        journal.append(row().line)
         with pytest.raises(ValueError, match="written already"):
-            journal.append(row())
+            journal.append(row().line)
         with pytest.raises(ValueError, match="written already"):
-            journal.append(row(1), row(1))
-        journal.append(row(1), row(2))
+            journal.append(row(1).line, row(1).line)
+        journal.append(row(1).line, row(2).line)
         journal.append()
     with Journal(tmp_path, ANALYTIC, resume=True) as journal:
         assert len(journal.done) == 3
@@ -96,7 +96,7 @@ def test_sessions_are_recorded(tmp_path: Path) -> None:
     """Each sitting stands in run.json, with those before it."""
     for number in range(2):
         with Journal(tmp_path, ANALYTIC, resume=number > 0) as journal:
-            journal.append(row(number))
+            journal.append(row(number).line)
             journal.note_session({"wall_s": 1.5, "workers": 2})
     run = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))
     assert [session["wall_s"] for session in run["sessions"]] == [1.5, 1.5]

@@ -17,7 +17,7 @@ from bench.cells import summarise
 from bench.engines.inline import run_inline
 from bench.engines.processes import run_in_processes
 from bench.job import BenchPlan, Job, Settings, jobs
-from bench.row import Row
+from bench.row import RowLine
 from bench.run_job import run_job
 from bench.runner import run_benchmark
 from bench.suite import instruction_of, tasks_of
@@ -101,7 +101,7 @@ def test_a_trial_that_kills_its_workers_is_a_harness_error(monkeypatch: pytest.M
     # The child reads the scene's file by name; a scene with this task name does not exist, and the hook below dies in it.
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.setattr("bench.engines.processes._work", _dies_in_trial_1)
-    rows = {row.trial: row for row in run_in_processes([job(0), job(1), job(2)], 2)}
+    rows = {line.row.trial: line for line in run_in_processes([job(0), job(1), job(2)], 2)}
     assert {trial: row.harness_error is None for trial, row in rows.items()} == {0: True, 1: False, 2: True}
     assert "died 3 times" in str(rows[1].harness_error)
 
@@ -204,7 +204,7 @@ def test_processes_give_the_rows_of_one_process() -> None:
     work = [job(trial, "single_cube", ANALYTIC, "full", "heuristic") for trial in range(8)]
 
     def by_key(rows: Any) -> dict[Any, Any]:
-        found: list[Row] = list(rows)
+        found: list[RowLine] = list(rows)
         return {row.key: lasting(row) for row in found}
 
     assert by_key(run_in_processes(work, 2)) == by_key(run_inline(work))
@@ -218,7 +218,7 @@ def test_dask_survives_a_killed_worker() -> None:
     work = [job(trial) for trial in range(4)]
     options: dict[str, Any] = {"n_workers": 2, "threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
     with distributed.LocalCluster(**options) as cluster:
-        rows: list[Row] = []
+        rows: list[RowLine] = []
         for row in run_on_dask(work, cluster.scheduler_address):
             if not rows:
                 os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
