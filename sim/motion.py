@@ -17,7 +17,7 @@ from kb.base import Vec3
 from sim.arm_shape import RADII, carried_points, setting_clearance, spheres
 from sim.curve import cubic_spline, path_time, quintic
 from sim.kinematics import forward, tcp_poses
-from sim.panda import READY
+from sim.panda import Q_MAX, Q_MIN, READY
 from sim.reach import line
 
 Array = NDArray[np.float64]
@@ -34,6 +34,12 @@ QUICK = 2.0
 """A detour that takes less than this is taken without looking for a quicker one [s]."""
 RAISES = (0.06, 0.12, 0.22, 0.32)
 """Heights of via points above start and goal [m]."""
+
+ASIDE_SPREAD = 0.6
+"""How far aside of the direct path via points are strewn in each joint [rad]."""
+ASIDE_SEED = 5
+LIMIT_ROOM = 0.05
+"""Distance of such a via point from the joint limits [rad]."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +106,7 @@ def plan_transit(
     carried: Array | None = None,
     margin: float = MARGIN,
     tilt: float | None = None,
+    aside: int = 0,
 ) -> Transit | None:
     """A free path from start to goal, or None if neither the direct one nor any with via points above is free.
 
@@ -110,6 +117,8 @@ def plan_transit(
         carried: Points of a held object in the hand frame [m], shape (P, 3).
         margin: Distance to keep [m]. Where start or goal are closer than that to an obstacle, the path may be too.
         tilt: How far the way may tip what hangs upright at the start [rad]; None: as far as it likes.
+        aside: How many via points anywhere near the direct path are tried where those above are of no use; the first that
+            is free is taken.
     """
     required = _required(start, goal, obstacles, carried, margin)
     direct = _free(np.stack([start, goal]), required, obstacles, carried, tilt)
@@ -122,6 +131,12 @@ def plan_transit(
             best = found
         if best is not None and (best.duration < QUICK or len(vias) > best.vias):
             return best
+    if best is None:
+        ways = (
+            _free(np.stack([start, via, goal]), required, obstacles, carried, tilt)
+            for via in _aside(start, goal, aside)
+        )
+        best = next((way for way in ways if way is not None), None)
     return best
 
 
@@ -195,6 +210,15 @@ def _via_points(start: Array, goal: Array) -> Iterator[tuple[Array, ...]]:
         yield (middle, via)
         for first in above_start[-1:]:
             yield (first, middle, via)
+
+
+def _aside(start: Array, goal: Array, count: int) -> Array:
+    """Via points (count, 7) [rad] strewn about the direct path, the same ones for the same ends."""
+    rng = np.random.default_rng(ASIDE_SEED)
+    between = start + rng.uniform(0.0, 1.0, (count, 1)) * (goal - start)
+    return np.clip(
+        between + rng.uniform(-ASIDE_SPREAD, ASIDE_SPREAD, (count, 7)), Q_MIN + LIMIT_ROOM, Q_MAX - LIMIT_ROOM
+    )
 
 
 def _raised(joints: Array, height: float) -> Array | None:

@@ -33,10 +33,14 @@ CREEP, CREEP_SPEED, LEAST_CREEP = 0.015, 0.025, 0.006
 lands with 13 N (10-ms mean) at 0.02 m/s, and one held with 5 N with 4.5 N at 0.01 m/s."""
 TOUCH = 1.0
 """Change of the vertical wrist force that means contact [N]."""
+SWINGS = 4
+"""Ways down that are begun before what is felt counts as ground, however high."""
 RELEASE_ROOM = 0.03
 """How much wider than the held object the hand opens to let go [m]."""
 OPENING_FORCE = 20.0
 """Motor force while the hand opens [N]."""
+ASIDE = 40
+"""Detours aside that are looked for where an empty hand finds no other way."""
 LOOSE = 5e-4
 """How far the fingers have moved apart when they no longer press [m]."""
 SLOWEST_CARRY = 0.3
@@ -93,7 +97,8 @@ def travel(motion: MotionRun, goal: Array, obstacles: Sequence[Obstacle], phase:
     if load is not None:
         transit = carry_way(start, goal, boxes, load)
     else:
-        transit = plan_transit(start, goal, boxes) or plan_transit(start, goal, boxes, margin=0.0)
+        # Places are seen to a centimetre: a way that may graze something comes after all detours.
+        transit = plan_transit(start, goal, boxes, aside=ASIDE) or plan_transit(start, goal, boxes, margin=0.0)
     if transit is None:
         motion.note(phase=phase)
         raise HaltedError("path")
@@ -152,7 +157,25 @@ def carry_above(
 
 
 def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
-    """Lowers along a straight path (K, 7) of `length` [m], fast first and creeping at the end, until contact is felt."""
+    """Lowers along a straight path (K, 7) of `length` [m], fast first and creeping at the end, until contact is felt.
+
+    What swings in the hand when the arm sets off pulls at the wrist as a contact does. So what is felt high above the
+    expected ground counts only if it is still felt at rest.
+    """
+    felt, first = 0.0, motion.wrist.mass(motion.world.data.sensordata[None])[0]
+    for _ in range(SWINGS):
+        force, touched = _descend(motion, path, length, speed)
+        felt = max(felt, force)
+        motion.halt("set_down")
+        left = _share_left(path, motion.commanded)
+        if not touched or left * length < CREEP + OVERSHOOT or _borne(motion, float(first)):
+            break
+        path, length = part(path, 1.0 - left, 1.0), left * length
+    motion.note(approach_force=felt)
+
+
+def _descend(motion: MotionRun, path: Array, length: float, speed: float) -> tuple[float, bool]:
+    """One way down: the largest change of the wrist's force on it [N], and whether it ended with a contact."""
     cut = max(0.0, 1.0 - (CREEP + OVERSHOOT) / length)
     creep = (1.0 - cut) * length / max(CREEP_SPEED * speed, LEAST_CREEP)
     stages = [along_evenly(part(path, cut, 1.0), creep)]
@@ -164,9 +187,20 @@ def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
         force = motion.wrist.force_w(record.sensordata)
         felt = max(felt, largest_force(force - force[:1]))
         if record.ended_by == "contact":
-            break
-    motion.halt("set_down")
-    motion.note(approach_force=felt)
+            return felt, True
+    return felt, False
+
+
+def _share_left(path: Array, joints: Array) -> float:
+    """Share of a path (K, 7) that lies beyond the point of it that is nearest to a configuration (7,)."""
+    fine = part(path, 0.0, 1.0, 201)
+    return 1.0 - int(np.abs(fine - joints).sum(axis=1).argmin()) / 200
+
+
+def _borne(motion: MotionRun, mass: float) -> bool:
+    """Whether something else bears part of what hung on the hand with `mass` [kg], now that the arm is at rest."""
+    now = float(motion.wrist.mass(motion.world.data.sensordata[None])[0])
+    return abs(now - mass) * GRAVITY > TOUCH / 2
 
 
 def touch_check(motion: MotionRun) -> Check:
