@@ -33,6 +33,8 @@ CREEP, CREEP_SPEED, LEAST_CREEP = 0.015, 0.025, 0.006
 lands with 13 N (10-ms mean) at 0.02 m/s, and one held with 5 N with 4.5 N at 0.01 m/s."""
 TOUCH = 1.0
 """Change of the vertical wrist force that means contact [N]."""
+SWING = 0.6
+"""Share of the weight in the hand by which a swing may change what the wrist feels."""
 SWINGS = 4
 """Ways down that are begun before what is felt counts as ground, however high."""
 RELEASE_ROOM = 0.03
@@ -162,28 +164,32 @@ def lower(motion: MotionRun, path: Array, length: float, speed: float) -> None:
     What swings in the hand when the arm sets off pulls at the wrist as a contact does. So what is felt high above the
     expected ground counts only if it is still felt at rest.
     """
-    felt, first = 0.0, motion.wrist.mass(motion.world.data.sensordata[None])[0]
+    felt, mass = 0.0, float(motion.wrist.mass(motion.world.data.sensordata[None])[0])
+    high = max(TOUCH, SWING * mass * GRAVITY)
     for _ in range(SWINGS):
-        force, touched = _descend(motion, path, length, speed)
+        force, touched = _descend(motion, path, length, speed, high)
         felt = max(felt, force)
         motion.halt("set_down")
         left = _share_left(path, motion.commanded)
-        if not touched or left * length < CREEP + OVERSHOOT or _borne(motion, float(first)):
+        if not touched or left * length < CREEP + OVERSHOOT or _borne(motion, mass, high / 2):
             break
         path, length = part(path, 1.0 - left, 1.0), left * length
     motion.note(approach_force=felt)
 
 
-def _descend(motion: MotionRun, path: Array, length: float, speed: float) -> tuple[float, bool]:
-    """One way down: the largest change of the wrist's force on it [N], and whether it ended with a contact."""
+def _descend(motion: MotionRun, path: Array, length: float, speed: float, high: float) -> tuple[float, bool]:
+    """One way down: the largest change of the wrist's force on it [N], and whether it ended with a contact.
+
+    High above the expected ground a change of `high` [N] is one.
+    """
     cut = max(0.0, 1.0 - (CREEP + OVERSHOOT) / length)
     creep = (1.0 - cut) * length / max(CREEP_SPEED * speed, LEAST_CREEP)
-    stages = [along_evenly(part(path, cut, 1.0), creep)]
+    stages = [(along_evenly(part(path, cut, 1.0), creep), TOUCH)]
     if cut > 0.05:
-        stages.insert(0, along(part(path, 0.0, cut), approach_time(length * cut, speed)))
+        stages.insert(0, (along(part(path, 0.0, cut), approach_time(length * cut, speed)), high))
     felt = 0.0
-    for joints in stages:
-        record = motion.run(follow(joints, motion.grip, motion.commanded), "set_down", touch_check(motion))
+    for joints, limit in stages:
+        record = motion.run(follow(joints, motion.grip, motion.commanded), "set_down", touch_check(motion, limit))
         force = motion.wrist.force_w(record.sensordata)
         felt = max(felt, largest_force(force - force[:1]))
         if record.ended_by == "contact":
@@ -197,14 +203,14 @@ def _share_left(path: Array, joints: Array) -> float:
     return 1.0 - int(np.abs(fine - joints).sum(axis=1).argmin()) / 200
 
 
-def _borne(motion: MotionRun, mass: float) -> bool:
-    """Whether something else bears part of what hung on the hand with `mass` [kg], now that the arm is at rest."""
+def _borne(motion: MotionRun, mass: float, least: float) -> bool:
+    """Whether something bears at least so much [N] of what hung on the hand with `mass` [kg], now that the arm is at rest."""
     now = float(motion.wrist.mass(motion.world.data.sensordata[None])[0])
-    return abs(now - mass) * GRAVITY > TOUCH / 2
+    return abs(now - mass) * GRAVITY > least
 
 
-def touch_check(motion: MotionRun) -> Check:
-    """A check that ends the phase once the vertical wrist force differs from its value at the beginning."""
+def touch_check(motion: MotionRun, limit: float = TOUCH) -> Check:
+    """A check that ends the phase once the vertical wrist force differs by `limit` [N] from its value at the beginning."""
     sensed, wrist = motion.world.data.sensordata, motion.wrist
     first: list[float] = []
     mean = 0.0
@@ -216,10 +222,10 @@ def touch_check(motion: MotionRun) -> Check:
             mean = float(np.mean(first))
             return None
         # Called at every step: what is far from the threshold in plain numbers needs no second reckoning.
-        if abs(wrist.mass_now(sensed) - mean) * GRAVITY < 0.999 * TOUCH:
+        if abs(wrist.mass_now(sensed) - mean) * GRAVITY < 0.999 * limit:
             return None
         mass = float(wrist.mass(sensed[None])[0])
-        return "contact" if abs(mass - mean) * GRAVITY > TOUCH else None
+        return "contact" if abs(mass - mean) * GRAVITY > limit else None
 
     return check
 
