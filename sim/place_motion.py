@@ -147,7 +147,8 @@ def carry_above(
         reached = next(descents(pose, motion.commanded, CARRY_HEIGHTS[-1], OVERSHOOT), None) is not None
         motion.note(reachable=reached, phase="carry")
         raise HaltedError("path" if reached else "unreachable")
-    samples = way.transit.samples(TIMESTEP, min(1.0, max(speed, SLOWEST_CARRY)))
+    # What is carried far off its middle turns in the hand with a jerk where the hand brakes hard.
+    samples = way.transit.samples(TIMESTEP, min(1.0, max(speed * speed, SLOWEST_CARRY)))
     recording = motion.run_guarded(samples, motion.grip, "carry", TRAVEL_FORCE)
     if held is not None:
         motion.carry(recording)
