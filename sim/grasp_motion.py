@@ -13,10 +13,10 @@ from sim.build_model import TIMESTEP
 from sim.controller import CLOSED, GRIP_COLUMN, along, follow, hold, holding_command, part
 from sim.grip_test import trial_lift
 from sim.hand import approach_time
+from sim.lower_motion import note_hang
 from sim.motion import Obstacle, Transit, clearances, plan_direct, plan_transit
 from sim.motion_run import NOTHING, HaltedError, MotionRun
 from sim.panda import GRIP_SLEW
-from sim.place_motion import note_hang
 from sim.reach import Reach, Unreachable, reach_from, solve_reaches
 from sim.recording import Recording
 from sim.setting import setting_obstacles

@@ -21,9 +21,10 @@ from sim.controller import hold
 from sim.grasp_motion import CREEPING, approach, arrive, close, hold_and_shake, lift_up, plan
 from sim.hand import FULL_LIFT
 from sim.kinematics import forward
+from sim.lower_motion import lower_here
 from sim.motion import Obstacle
 from sim.motion_run import HaltedError, MotionRun, is_holding
-from sim.place_motion import carry_above, home, let_go, lower_here, place_pose, travel
+from sim.place_motion import carry_above, home, let_go, place_pose, travel
 from sim.stop import StopSwitch
 from sim.world import World
 

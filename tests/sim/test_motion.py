@@ -8,7 +8,7 @@ import pytest
 from kb.grasp import Grasp
 from sim.controller import along, follow
 from sim.curve import cubic_spline, quintic
-from sim.motion import Obstacle, Transit, clearances, plan_transit
+from sim.motion import MARGIN, Obstacle, Transit, clearances, plan_transit
 from sim.panda import Q_ACCELERATION, Q_VELOCITY, READY
 from sim.reach import Reach, solve_reach
 
@@ -64,6 +64,20 @@ def test_no_way_is_none() -> None:
     cage = [Obstacle((0.5, s * 0.16, 0.5), 0.0, (0.4, 0.02, 0.5)) for s in (1, -1)]
     cage += [Obstacle((x, 0.0, 0.62), 0.0, (0.02, 0.3, 0.6)) for x in (0.40, 0.62)]
     assert plan_transit(READY, goal, cage) is None
+
+
+def test_a_detour_aside_leads_out_of_a_corner() -> None:
+    """An elbow turned aside can't raise the hand; strewn via points still lead home, 15 mm from what stands around it."""
+    corner = np.array([1.464, 0.941, -1.589, -2.453, 1.417, 2.102, 2.550])
+    cup = Obstacle(centre=(0.515, 0.0, 0.049), yaw=0.14, half=(0.0565, 0.0445, 0.049))
+    glass = Obstacle(centre=(0.516, 0.149, 0.0997), yaw=0.0, half=(0.039, 0.039, 0.1036))
+    assert plan_transit(corner, READY, (cup, glass)) is None
+    found = plan_transit(corner, READY, (cup, glass), aside=40)
+    assert found is not None
+    assert clearances(found.path, (cup, glass)).min() >= MARGIN
+    again = plan_transit(corner, READY, (cup, glass), aside=40)
+    assert again is not None
+    assert np.array_equal(found.path, again.path)
 
 
 def test_nearness_of_the_goal_is_allowed_but_not_exceeded(sides: tuple[np.ndarray, np.ndarray]) -> None:

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim import lower_motion
 from sim.build_model import TIMESTEP
 from sim.carry_path import way_down
 from sim.controller import along, follow, part
 from sim.kinematics import forward
-from sim.motion_run import MotionRun
+from sim.motion_run import Check, MotionRun
 from sim.panda import READY
 from sim.place_motion import go_back
 from sim.robot import Robot
@@ -35,6 +36,40 @@ def test_placing_is_gentle_and_ends_at_home(cube, scene) -> None:
     assert not robot.holding
     assert robot.joints == pytest.approx(READY, abs=5e-3)
     assert keeper.phases() == ["carry", "set_down", "release", "retreat", "home"]
+
+
+def test_a_swing_in_the_hand_is_no_ground(cube, scene, monkeypatch) -> None:
+    """What is felt once high above the table, but no longer at rest, does not end the way down: nothing is dropped."""
+    world = World(scene(cube(x=0.5, y=0.1)))
+    robot = Robot(world)
+    robot.grasp(from_above(0.5, 0.1, 0.025), shake=False)
+    felt, really = list[float](), lower_motion.touch_check
+
+    def touched_first(motion: MotionRun, limit: float = lower_motion.TOUCH) -> Check:
+        felt.append(limit)
+        return really(motion, limit) if len(felt) > 1 else lambda: "contact"
+
+    keeper = Keeper(world)
+    monkeypatch.setattr(lower_motion, "touch_check", touched_first)
+    robot.place((0.55, -0.15, 0.027))
+    assert len(felt) > 1
+    assert place_of(world, "cube") == pytest.approx((0.55, -0.15, 0.0), abs=3e-3)
+    rows = np.concatenate([record.sensordata for record in keeper.kept])
+    force = np.linalg.norm(rows[:, world.index.sensors["truth/cube/table"]][:, 1:4], axis=1)
+    assert np.convolve(force, np.full(5, 0.2), "valid").max() < 20.0
+
+
+def test_what_may_break_is_carried_more_slowly(cube, scene) -> None:
+    """At 0.6 of the speed the way to above the place takes at least twice as long: what jerks grows with the square."""
+    seconds: list[float] = []
+    for speed in (1.0, 0.6):
+        world = World(scene(cube(x=0.5, y=0.1)))
+        robot = Robot(world)
+        robot.grasp(from_above(0.5, 0.1, 0.025), shake=False)
+        keeper = Keeper(world)
+        robot.place((0.55, -0.15, 0.027), speed=speed)
+        seconds.append(sum(len(record) for record in keeper.kept if record.phase == "carry") * TIMESTEP)
+    assert seconds[1] > 2.0 * seconds[0]
 
 
 def test_release_puts_the_object_back_where_it_was(cube, scene) -> None:
