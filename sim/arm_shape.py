@@ -65,6 +65,8 @@ _DISTAL = _ALL_OWNERS >= DISTAL_FROM
 _ON_TABLE = _ALL_OWNERS >= 2
 _LOW = _OWNERS >= 2
 _LOW_CENTRES, _LOW_OWNERS, _LOW_RADII = _CENTRES[_LOW], _OWNERS[_LOW], _RADII[_LOW]
+_BACK = _OWNERS <= DISTAL_FROM
+_BACK_CENTRES, _BACK_OWNERS, _BACK_RADII = _CENTRES[_BACK], _OWNERS[_BACK], _RADII[_BACK]
 _BASE_CAPSULES = (((-0.09, 0.0, 0.06), (0.0, 0.0, 0.06), 0.06), ((0.0, 0.0, 0.05), (0.0, 0.0, 0.333), 0.06))
 """Base and column of the robot itself: end points and radius [m]."""
 
@@ -79,6 +81,20 @@ def carried_points(joints: Array, points: Array) -> Array:
     """Points (P, 3) fixed to the hand frame, in the world frame for each configuration (N, 7); shape (N, P, 3)."""
     hand = link_poses(joints)[:, HAND_LINK]
     return np.einsum("nij,pj->npi", hand[:, :3, :3], points) + hand[:, None, :3, 3]
+
+
+def own_arm_clearance(joints: Array, load: Array, radius: float) -> Array:
+    """Smallest distance of what is held from the robot's own links up to the forearm's end [m], shape (N,).
+
+    Args:
+        joints: Configurations (N, 7) [rad].
+        load: Points of what is held in the world frame for each of them (N, P, 3) [m].
+        radius: Radius given to these points [m].
+    """
+    poses = link_poses(joints)[:, _BACK_OWNERS]
+    centres = np.einsum("nsij,sj->nsi", poses[..., :3, :3], _BACK_CENTRES) + poses[..., :3, 3]
+    apart = np.linalg.norm(load[:, :, None] - centres[:, None], axis=-1) - _BACK_RADII
+    return apart.min(axis=(1, 2)) - radius
 
 
 def table_clearance(joints: Array) -> float:

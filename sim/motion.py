@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.base import Vec3
-from sim.arm_shape import RADII, carried_points, setting_clearance, spheres
+from sim.arm_shape import RADII, carried_points, own_arm_clearance, setting_clearance, spheres
 from sim.curve import cubic_spline, path_time, quintic
 from sim.kinematics import forward, tcp_poses
 from sim.panda import Q_MAX, Q_MIN, READY
@@ -76,9 +76,10 @@ class Transit:
 def clearances(joints: Array, obstacles: Sequence[Obstacle], carried: Array | None = None) -> Array:
     """Smallest distance [m] of configurations (N, 7) to the setting (column 0) and to each obstacle; (N, 1 + B).
 
-    `carried` are points (P, 3) of a held object in the hand frame, given the radius `CARRIED_RADIUS`.
+    `carried` are points (P, 3) of a held object in the hand frame, given the radius `CARRIED_RADIUS`; with them a last
+    column tells how far they are from the robot's own arm, (N, 2 + B).
     """
-    centres, radii = spheres(joints), RADII
+    centres, radii, own = spheres(joints), RADII, None
     out = np.empty((len(centres), 1 + len(obstacles)))
     out[:, 0] = setting_clearance(centres)
     if carried is not None and len(carried):
@@ -86,6 +87,7 @@ def clearances(joints: Array, obstacles: Sequence[Obstacle], carried: Array | No
         out[:, 0] = np.minimum(out[:, 0], load[..., 2].min(axis=1))
         centres = np.concatenate([centres, load], axis=1)
         radii = np.concatenate([radii, np.full(load.shape[1], CARRIED_RADIUS)])
+        own = own_arm_clearance(joints, load, CARRIED_RADIUS)
     for column, box in enumerate(obstacles, start=1):
         cos, sin = math.cos(box.yaw), math.sin(box.yaw)
         x, y = centres[..., 0] - box.centre[0], centres[..., 1] - box.centre[1]
@@ -95,7 +97,7 @@ def clearances(joints: Array, obstacles: Sequence[Obstacle], carried: Array | No
         inside = np.minimum(np.maximum(np.maximum(dx, dy), dz), 0.0)
         outside = np.sqrt(np.maximum(dx, 0) ** 2 + np.maximum(dy, 0) ** 2 + np.maximum(dz, 0) ** 2)
         out[:, column] = (outside + inside - radii).min(axis=1)
-    return out
+    return out if own is None else np.column_stack([out, own])
 
 
 def plan_transit(
@@ -169,8 +171,13 @@ def _free(
     carried: Array | None,
     tilt: float | None = None,
 ) -> Transit | None:
-    """The motion through the knots if it keeps the required distances and tips the load by no more than `tilt` [rad]."""
+    """The motion through the knots if it keeps the required distances and tips the load by no more than `tilt` [rad].
+
+    A spline may swing beyond its knots, and so beyond the joints' limits.
+    """
     path = _spline(knots)
+    if (path < np.minimum(Q_MIN, knots.min(axis=0))).any() or (path > np.maximum(Q_MAX, knots.max(axis=0))).any():
+        return None
     if tilt is not None and float(tilts(path).max()) > tilt:
         return None
     distance = clearances(path, obstacles, carried)
