@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim.build_model import TABLE_CENTRE, TABLE_HALF
 from sim.hand import FINGER_BOXES, FINGER_OFFSET, PALM_BOXES
 from sim.kinematics import link_poses
-from sim.panda import LINKS
+from sim.panda import DISTAL, LINKS, PROXIMAL
 
 Array = NDArray[np.float64]
 
@@ -59,6 +59,8 @@ _ALL_CENTRES = np.concatenate([_CENTRES, _HAND_CENTRES])
 _ALL_OWNERS = np.concatenate([_OWNERS, np.full(len(_HAND_RADII), HAND_LINK)])
 RADII = np.concatenate([_RADII, _HAND_RADII])
 """Radii of all spheres [m], shape (S,)."""
+OWN_ROOM = 0.005
+"""Distance that wrist and hand keep from the shoulder where something is set down [m]."""
 DISTAL_FROM = 4
 """Link index from which the arm could meet its own base (link 5 on)."""
 _DISTAL = _ALL_OWNERS >= DISTAL_FROM
@@ -67,6 +69,10 @@ _LOW = _OWNERS >= 2
 _LOW_CENTRES, _LOW_OWNERS, _LOW_RADII = _CENTRES[_LOW], _OWNERS[_LOW], _RADII[_LOW]
 _BACK = _OWNERS <= DISTAL_FROM
 _BACK_CENTRES, _BACK_OWNERS, _BACK_RADII = _CENTRES[_BACK], _OWNERS[_BACK], _RADII[_BACK]
+_SHOULDER = np.flatnonzero(_ALL_OWNERS < PROXIMAL)
+_WRIST = np.flatnonzero(_ALL_OWNERS >= DISTAL - 1)
+_TOGETHER = RADII[_SHOULDER][:, None] + RADII[_WRIST][None]
+"""Radii of the spheres of shoulder and wrist added up [m]: the pairs of links that can meet."""
 _BASE_CAPSULES = (((-0.09, 0.0, 0.06), (0.0, 0.0, 0.06), 0.06), ((0.0, 0.0, 0.05), (0.0, 0.0, 0.333), 0.06))
 """Base and column of the robot itself: end points and radius [m]."""
 
@@ -97,11 +103,27 @@ def own_arm_clearance(joints: Array, load: Array, radius: float) -> Array:
     return apart.min(axis=(1, 2)) - radius
 
 
+def self_clearance(joints: Array) -> float:
+    """Smallest distance of wrist and hand from the robot's own shoulder in any of the configurations (N, 7) [m]."""
+    return float(_from_shoulder(spheres(joints)).min())
+
+
+def _from_shoulder(centres: Array) -> Array:
+    """Smallest distance of wrist and hand from the shoulder [m], shape (N,), for all spheres (N, S, 3)."""
+    apart = centres[:, _SHOULDER, None] - centres[:, None, _WRIST]
+    return (np.sqrt(np.einsum("nijk,nijk->nij", apart, apart)) - _TOGETHER).min(axis=(1, 2))
+
+
 def table_clearance(joints: Array) -> float:
     """Smallest distance of the arm's links (hand left out: its own check is exact) from the table [m]."""
     poses = link_poses(joints)[:, _LOW_OWNERS]
     centres = np.einsum("nsij,sj->nsi", poses[..., :3, :3], _LOW_CENTRES) + poses[..., :3, 3]
     return float(_above_table(centres, _LOW_RADII).min())
+
+
+def stands_free(path: Array) -> bool:
+    """Whether a way down (K, 7) ends with the links off the table, and keeps wrist and hand off the shoulder."""
+    return table_clearance(path[[-1]]) > 0.0 and self_clearance(path) > OWN_ROOM
 
 
 def _above_table(centres: Array, radii: Array) -> Array:
@@ -112,7 +134,7 @@ def _above_table(centres: Array, radii: Array) -> Array:
 
 
 def setting_clearance(centres: Array) -> Array:
-    """Smallest distance of each configuration's spheres (N, S, 3) from table and own base [m], shape (N,)."""
+    """Smallest distance of each configuration's spheres (N, S, 3) from table, own base and own shoulder [m], shape (N,)."""
     best = _above_table(centres[:, _ON_TABLE], RADII[_ON_TABLE]).min(axis=1)
     moving, radii = centres[:, _DISTAL], RADII[_DISTAL]
     for first, second, radius in _BASE_CAPSULES:
@@ -120,4 +142,4 @@ def setting_clearance(centres: Array) -> Array:
         share = np.clip((moving - a) @ along / (along @ along), 0.0, 1.0)
         distance = np.linalg.norm(moving - a - share[..., None] * along, axis=-1) - radius - radii
         best = np.minimum(best, distance.min(axis=1))
-    return best
+    return np.minimum(best, _from_shoulder(centres))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.arm_shape import table_clearance
+from sim.arm_shape import stands_free
 from sim.kinematics import forward, inverse, within_limits
 from sim.motion import MARGIN, Obstacle, Transit, free_motion, plan_transit
 from sim.reach import MAX_JUMP, descents, line_any
@@ -144,7 +144,7 @@ def arcs_above(pose: Array, start: Array) -> Iterator[tuple[Array, Array, float]
                     found.append((float(np.abs(np.diff(knots, axis=0)).max(axis=1).sum()), knots))
         for _, knots in sorted(found, key=lambda pair: pair[0]):
             path = line_any(above, offsets, knots[-1])
-            if path is not None and table_clearance(path[[-1]]) > 0.0:
+            if path is not None and stands_free(path):
                 yield knots, path, height + OVERSHOOT
 
 

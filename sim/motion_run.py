@@ -77,6 +77,9 @@ class MotionRun:
         self.tracking = 0.0
         self.loads: list[Array] = []
         """Carried mass per step of the phases after the test lift [kg]."""
+        # An arm that was stopped while it leaned on something would feel that again at once: it begins where it is.
+        if float(np.abs(self.commanded - self.joints).max()) > LAG_LIMIT and not stop.pressed:
+            self.halt("transit")
 
     # Commands as they stand -------------------------------------------------------------------------------------
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kb.base import Vec3
 from kb.grasp import closing_axis
 from kb.sensing import Phase
+from sim.arm_shape import self_clearance
 from sim.build_model import TIMESTEP
 from sim.carry_path import CARRY_HEIGHTS, OVERSHOOT, WayDown, carry_way, way_down
 from sim.controller import along, follow, hold
@@ -189,12 +190,29 @@ def go_up(motion: MotionRun, way: WayDown) -> None:
 
 
 def way_back(pose: Array, direction: Array, distance: float, joints: Array) -> Array | None:
-    """Joint angles (7, 7) from a tool pose straight along a direction by a distance [m], or None."""
-    return line_any(pose, distance * np.linspace(0.0, 1.0, 7)[:, None] * direction, joints)
+    """Joint angles (7, 7) from a tool pose straight along a direction by a distance [m], or None.
+
+    A folded arm whose wrist would meet its shoulder on the way has none.
+    """
+    path = line_any(pose, distance * np.linspace(0.0, 1.0, 7)[:, None] * direction, joints)
+    return path if path is not None and self_clearance(path) > 0.0 else None
 
 
 def home(motion: MotionRun, obstacles: Sequence[Obstacle], way: WayDown | None = None) -> None:
-    """Drives to the ready pose; an empty hand that is low first retreats, and if need be goes back as it came, on `way`."""
+    """Drives to the ready pose; an empty hand that is low first retreats, and if need be goes back as it came, on `way`.
+
+    Where the arm met something on its way, it tries once more from where it withdrew to.
+    """
+    try:
+        _go_home(motion, obstacles, way)
+    except HaltedError as halted:
+        if halted.cause != "force" or motion.holding:
+            raise
+        motion.halt("home")
+        _go_home(motion, obstacles, way)
+
+
+def _go_home(motion: MotionRun, obstacles: Sequence[Obstacle], way: WayDown | None) -> None:
     try:
         travel(motion, READY, obstacles, "home")
     except HaltedError as halted:

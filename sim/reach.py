@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.grasp import Grasp
-from sim.arm_shape import table_clearance
+from sim.arm_shape import stands_free, table_clearance
 from sim.hand import FULL_LIFT
 from sim.kinematics import (
     LIMIT_MARGIN,
@@ -247,7 +247,7 @@ def descents(pose: Array, start: Array, height: float, below: float) -> Iterator
         back = line_any(wanted, np.linspace(0.0, height, 6)[:, None] * up, joints)
         if back is None:
             continue
-        if (path := line_any(wanted, offsets, back[-1])) is not None and table_clearance(path[[-1]]) > 0.0:
+        if (path := line_any(wanted, offsets, back[-1])) is not None and stands_free(path):
             yield path
             tried += 1
             if tried >= 3:
