@@ -127,7 +127,7 @@ def plan_transit(
     if direct is not None:
         return direct
     best: Transit | None = None
-    for vias in _via_points(start, goal):
+    for vias in via_points(start, goal):
         found = _free(np.stack([start, *vias, goal]), required, obstacles, carried, tilt)
         if found is not None and (best is None or found.duration < best.duration):
             best = found
@@ -199,7 +199,7 @@ def _spline(knots: Array) -> Array:
     return cubic_spline(at, knots, np.linspace(0.0, at[-1], CHECKS))
 
 
-def _via_points(start: Array, goal: Array) -> Iterator[tuple[Array, ...]]:
+def via_points(start: Array, goal: Array) -> Iterator[tuple[Array, ...]]:
     """Sequences of via points, from none to detours: above the goal, above both, by way of the ready pose, and aside."""
     yield ()
     above_goal = [raised for raised in (_raised(goal, height) for height in RAISES) if raised is not None]

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from kb.grasp import Grasp
+from sim.arm_shape import RADII, self_clearance, spheres
 from sim.controller import along, follow
 from sim.curve import cubic_spline, quintic
-from sim.motion import MARGIN, Obstacle, Transit, clearances, plan_transit
-from sim.panda import Q_ACCELERATION, Q_VELOCITY, READY
+from sim.kinematics import link_poses
+from sim.motion import MARGIN, Obstacle, Transit, clearances, free_motion, plan_transit, via_points
+from sim.panda import Q_ACCELERATION, Q_MAX, Q_MIN, Q_VELOCITY, READY
 from sim.reach import Reach, solve_reach
 
 WALL = Obstacle((0.5, 0.0, 0.15), 0.0, (0.20, 0.02, 0.15))
@@ -78,6 +80,38 @@ def test_a_detour_aside_leads_out_of_a_corner() -> None:
     again = plan_transit(corner, READY, (cup, glass), aside=40)
     assert again is not None
     assert np.array_equal(found.path, again.path)
+
+
+def test_no_spline_leaves_the_joints_range() -> None:
+    """From a wrist near its stop some splines swing beyond it, though their knots do not; none of them is taken."""
+    near = np.array([-1.663, 1.209, 1.66, -2.573, 1.879, 3.235, 0.75])
+    refused = 0
+    for vias in via_points(near, READY):
+        knots = np.stack([near, *vias, READY])
+        assert (knots < Q_MAX).all()
+        found = free_motion(knots, (), carried=None, margin=-1.0, tilt=None)
+        refused += found is None
+        assert found is None or ((found.path >= Q_MIN).all() and (found.path <= Q_MAX).all())
+    assert refused
+
+
+def test_a_folded_arm_meets_its_shoulder() -> None:
+    """The distance of wrist and shoulder is nothing where physics has them touch, and ample at home."""
+    folded = np.array([[2.789, 1.038, -1.504, -3.032, -2.718, 2.703, 1.8]])
+    assert self_clearance(folded) == pytest.approx(0.0, abs=5e-4)
+    assert self_clearance(READY[None]) > 0.1
+    assert clearances(folded, ())[0, 0] == pytest.approx(0.0, abs=5e-4)
+
+
+def test_a_load_keeps_clear_of_the_robots_own_arm() -> None:
+    """What reaches up to the forearm is told apart from what hangs free; without a load there is no such column."""
+    beside = np.array([[1.071, 1.56, -1.484, -1.854, 1.737, 0.442, 0.947]])
+    forearm = spheres(beside)[0][(RADII == 0.055)]
+    hand = link_poses(beside)[0, 7]
+    touching = (forearm - hand[:3, 3]) @ hand[:3, :3]
+    assert clearances(beside, ()).shape == (1, 1)
+    assert clearances(beside, (), touching)[0, -1] < 0.0
+    assert clearances(READY[None], (), np.array([[0.0, 0.0, 0.2]]))[0, -1] > 0.1
 
 
 def test_nearness_of_the_goal_is_allowed_but_not_exceeded(sides: tuple[np.ndarray, np.ndarray]) -> None:

@@ -112,6 +112,19 @@ def test_a_handover_holds_the_object_out_and_keeps_it(cube, scene) -> None:
     assert abs(place_of(world, "cube")[2]) < 1e-3
 
 
+def test_an_arm_that_leans_on_something_gets_away(scene, cube) -> None:
+    """Told to stay 0.05 rad beyond where it is held up, the arm would feel a collision at once; it goes home all the same."""
+    world = World(scene(cube(x=0.5, y=-0.2)))
+    motion = MotionRun(world, StopSwitch())
+    beyond = motion.commanded
+    beyond[3] += 0.05
+    world.run(follow(beyond[None], 0.04), "transit")
+    assert float(np.abs(beyond - world.read("robot/joint_position")).max()) > 0.02
+    felt = Robot(world).go_home()
+    assert felt.stopped_by is None
+    assert world.read("robot/joint_position") == pytest.approx(READY, abs=5e-3)
+
+
 def test_a_hand_goes_back_the_way_it_came(scene, cube) -> None:
     """From below a set-down the arm gets up and back to where the way to it began, to within 1 mrad a joint."""
     world = World(scene(cube(x=0.5, y=-0.2)))
