@@ -11,7 +11,7 @@ from dataclasses import replace
 from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
 from agent.ladder import MAX_EXTRA_ACTIONS
-from agent.lanes import in_the_way
+from agent.lanes import has_room, in_the_way
 from agent.state import State, Update, merged
 from kb.percept import PerceivedObject, Percept
 from kb.scene_graph import SceneGraph
@@ -143,7 +143,7 @@ def next_to_handle(state: State, percept: Percept, graph: SceneGraph | None) -> 
 def _next_to_sort(state: State, left: list[PerceivedObject], percept: Percept) -> Goal | None:
     """The next object in the order that was fixed when the sort began (`goal.reference.ids`), y ascending.
 
-    Those whose lanes are empty come first: with them their own places become free.
+    Those whose lanes have room come first, then those whose lanes are empty: with them their own places become free.
     """
     if not left:
         return None
@@ -152,9 +152,10 @@ def _next_to_sort(state: State, left: list[PerceivedObject], percept: Percept) -
     def lane(obj: PerceivedObject) -> tuple[int, int]:
         return len(order) - 1 - order.index(obj.id), len(order)
 
-    def wanted(obj: PerceivedObject) -> tuple[int, int]:
+    def wanted(obj: PerceivedObject) -> tuple[bool, int, int]:
         others = [other for other in percept.objects if other.id != obj.id and on_table(other, percept)]
-        return in_the_way(lane(obj), others), order.index(obj.id)
+        waiting = [other for other in left if other.id != obj.id]
+        return not has_room(lane(obj), obj, waiting), in_the_way(lane(obj), others), order.index(obj.id)
 
     chosen = min(left, key=wanted)
     return _child(chosen, Placement(kind="lane", lane=lane(chosen)))

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 
 from kb.base import Vec2
 from kb.percept import PerceivedObject
+from tools.planning.lane_places import HAND_ROOMS, LANE_INSET
+from tools.planning.set_down import box_distance, strip
 
 LANE_X: tuple[float, float] = (0.35, 0.68)
 """Depth of the lanes on the table [m]."""
@@ -24,3 +26,11 @@ def in_the_way(lane: tuple[int, int], others: Iterable[PerceivedObject]) -> int:
     """How many things stand with their middle in a lane."""
     (x0, y0), (x1, y1) = lane_of(lane)
     return sum(x0 <= other.position[0] <= x1 and y0 <= other.position[1] <= y1 for other in others)
+
+
+def has_room(lane: tuple[int, int], thing: PerceivedObject, waiting: Iterable[PerceivedObject]) -> bool:
+    """Whether a lane has a place for a thing beside which the hand can still grip everything that waits to be taken."""
+    others, room = list(waiting), min(thing.size[:2]) / 2 + min(wish for wish in HAND_ROOMS if wish > 0.0)
+    return any(
+        all(box_distance(place, other) >= room for other in others) for place in strip(lane_of(lane), LANE_INSET)
+    )

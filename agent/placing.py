@@ -47,8 +47,15 @@ def place_args(state: State) -> PlaceArgs:
     if placement.kind == "lane":
         corners = lane_of(placement.lane or (0, 1))
         middle = ((corners[0][0] + corners[1][0]) / 2, (corners[0][1] + corners[1][1]) / 2)
+        waiting = tuple(obj.id for obj in here if obj.id not in state.displaced)
         return PlaceArgs(
-            percept=percept, held=held.plan, object=held.object, kind="point", point=middle, keep_in=corners
+            percept=percept,
+            held=held.plan,
+            object=held.object,
+            kind="point",
+            point=middle,
+            keep_in=corners,
+            to_take=waiting,
         )
     if placement.kind == "back":
         return PlaceArgs(

@@ -21,6 +21,7 @@ from kb.percept import PerceivedObject, Percept
 from kb.sensing import Plan, Sensing
 from tools.context import ToolContext
 from tools.planning.bin_places import bin_places
+from tools.planning.lane_places import LEAST_GAP, lane_places
 from tools.planning.obstacles import obstacles, set_down_box
 from tools.planning.set_down import (
     GAP,
@@ -34,8 +35,6 @@ from tools.planning.set_down import (
     points_of,
     set_downs,
     spiral,
-    stands_clear,
-    strip,
 )
 
 Place = Literal["bin", "point", "side", "beside", "on", "aside", "hand_over"]
@@ -56,13 +55,6 @@ NEVER_TIPPED = 0.7
 """Things at least this fragile are carried no more crookedly than a gentle way takes them."""
 SLOWEST = 0.15
 """Least velocity scale of a set-down: 6 mm/s at the end, a wine glass then lands with less than 5 N."""
-LEAST_GAP = 0.012
-"""Distance between what is set down and what stands there where there is no room for more [m]."""
-LANE_INSET = 0.035
-"""Distance that the middle of what is put into a lane keeps from the lane's edges [m]: the set-down is good to 1 cm, and a
-ball may roll another."""
-ACROSS_STEP = 0.03
-"""Widths across a lane that differ by less than this are as good as each other [m]."""
 TRIES = 60
 """Poses whose reach is checked before giving up."""
 
@@ -89,6 +81,8 @@ class PlaceArgs(Noun):
     """How many things were already put there: they are spread inside the bin."""
     keep_in: tuple[Vec2, Vec2] | None = None
     """Corners of a rectangle in which the centre must lie (a lane) [m]."""
+    to_take: tuple[str, ...] = ()
+    """Perceived ids of what is still to be gripped: in a lane, room for the hand is left beside it where there is some."""
     lying: tuple[PerceivedObject, ...] = ()
     """What was put into the bin before, as it should lie there: no camera sees over the walls."""
 
@@ -141,7 +135,7 @@ def choose_place(args: PlaceArgs, context: ToolContext) -> SetDown | None:
 
 def _chosen(args: PlaceArgs, context: ToolContext) -> SetDown | None:
     """As `choose_place`, kept: configurations of a trial that hold the same thing alike ask for the same place."""
-    place = args.kind, args.point, args.side, args.reference, args.relation, args.slot, args.keep_in
+    place = args.kind, args.point, args.side, args.reference, args.relation, args.slot, args.keep_in, args.to_take
     hand = args.held.grasp, args.held.joints, tuple(context.robot.joints), getattr(context.robot, "has_arm", True)
     around = (*args.percept.objects, args.object, *args.lying)
     also = len(args.lying), args.percept.bin, place, hand
@@ -202,7 +196,7 @@ def _options(args: PlaceArgs) -> Iterator[SetDown]:
         yield from set_downs(args.object, args.held, next(centres), support)
         return
     if args.keep_in is not None:
-        yield from _in_lane(args, args.keep_in)
+        yield from lane_places(args.object, args.held, args.percept, args.keep_in, args.to_take)
         return
     radius = footprint_radius(args.object)
     places = 0
@@ -259,24 +253,6 @@ def _in_bin(args: PlaceArgs) -> Iterator[SetDown]:
         raise BadInputError("there is no bin in this scene", where="bin")
     others = [other for other in (*args.percept.objects, *args.lying) if other.id != args.object.id]
     return bin_places(args.object, args.held, others, args.percept.bin, args.slot)
-
-
-def _in_lane(args: PlaceArgs, corners: tuple[Vec2, Vec2]) -> Iterator[SetDown]:
-    """Free places in a lane, well inside it, with long things along it: what lies across is in the others' way."""
-    others = [other for other in args.percept.objects if other.id != args.object.id]
-    long, short = args.object.size[0], args.object.size[1]
-    narrow = min(long, short) / 2
-
-    def across(option: SetDown) -> int:
-        yaw = args.object.yaw + option.turn
-        return round((abs(math.sin(yaw)) * long + abs(math.cos(yaw)) * short) / ACROSS_STEP)
-
-    for gap in (GAP, LEAST_GAP):
-        for centre in strip(corners, LANE_INSET):
-            if is_free(centre, narrow, args.percept, (args.object.id,), gap, args.object.size[2] + GAP):
-                for option in sorted(set_downs(args.object, args.held, centre, 0.0), key=across):
-                    if stands_clear(args.object, option, others, gap):
-                        yield option
 
 
 def _reference(args: PlaceArgs) -> PerceivedObject:
