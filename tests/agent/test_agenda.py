@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from agent.agenda import NO_PLACE, next_to_handle, parts_of, put_back
 from agent.attempt import Held
 from agent.goal import Goal, Placement, Reference
+from agent.lanes import has_room
 from agent.state import State
 from kb.percept import PerceivedObject, Percept
 from tests.planning_fixtures import context, percept, solid
@@ -34,6 +37,20 @@ def test_what_has_a_free_lane_comes_first() -> None:
     following = next_to_handle(sorting(elsewhere, ("a", "b")), elsewhere, None)
     assert following is not None
     assert following.target == "a"
+
+
+def test_what_would_crowd_another_waits() -> None:
+    """The first lane is full of two long things that wait, though their middles are outside: one of them goes first."""
+    a = solid("a", "wine_glass", 0.55, -0.25)
+    b = solid("b", "smartphone", 0.42, -0.08, yaw=math.pi / 2)
+    c = solid("c", "smartphone", 0.60, -0.08, yaw=math.pi / 2)
+    lane = (2, 3)
+    assert not has_room(lane, a, (b, c))
+    assert has_room(lane, a, (b,))
+    seen = percept(a, b, c)
+    following = next_to_handle(sorting(seen, ("a", "b", "c")), seen, None)
+    assert following is not None
+    assert following.target != "a"
 
 
 def test_what_found_no_room_is_taken_up_once_more_at_the_end() -> None:

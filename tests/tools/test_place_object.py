@@ -191,3 +191,19 @@ def test_long_things_lie_along_a_lane() -> None:
     option = chosen(seen, percept(), kind="point", point=(0.515, 0.0), keep_in=((0.35, -0.075), (0.68, 0.075)))
     assert option is not None
     assert abs(math.cos(seen.yaw + option.turn)) > math.cos(math.radians(30.0))
+
+
+def test_a_hand_fits_beside_what_is_still_to_be_taken() -> None:
+    """In a lane 5 cm and more are left beside a thing that waits, and less where there is no such room."""
+    seen = solid("t", "cube", 0.5, -0.2)
+    waits = solid("n", "box", 0.515, 0.15)
+    lane = {"kind": "point", "point": (0.515, 0.15), "keep_in": ((0.35, 0.075), (0.68, 0.225))}
+    plain, roomy = chosen(seen, percept(waits), **lane), chosen(seen, percept(waits), **lane, to_take=("n",))
+    assert plain is not None
+    assert roomy is not None
+    assert box_distance(roomy.centre, waits) - 0.025 >= 0.05 > box_distance(plain.centre, waits) - 0.025
+    small = solid("n", "cube", 0.515, 0.15)
+    narrow = {**lane, "keep_in": ((0.425, 0.115), (0.605, 0.185))}
+    crowded = chosen(seen, percept(small), **narrow, to_take=("n",))
+    assert crowded is not None
+    assert box_distance(crowded.centre, small) - 0.025 < 0.05
