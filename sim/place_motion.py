@@ -213,6 +213,11 @@ def home(motion: MotionRun, obstacles: Sequence[Obstacle], way: WayDown | None =
 
 
 def _go_home(motion: MotionRun, obstacles: Sequence[Obstacle], way: WayDown | None) -> None:
+    """`home`, tried once.
+
+    Raises:
+        HaltedError: "path" if no way is free, "force" if the arm met something.
+    """
     try:
         travel(motion, READY, obstacles, "home")
     except HaltedError as halted:
