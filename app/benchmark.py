@@ -106,6 +106,8 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
     if options.learn or options.kb:
         what = "the benchmark uses the shipped knowledge base as it is; learning is measured by `python -m bench.learn_study`"
         raise BadInputError(what, where="--config")
+    if request.suite == "mishaps" and options.evaluator == "analytic":
+        raise BadInputError("mishaps happen in physics alone", where="--evaluator", choices=("mujoco",))
     most = CLUTTER_SCENES if request.suite == "clutter" else MAX_TRIALS
     trials = min(request.trials, most) if request.suite == "clutter" else request.trials
     _within("--trials", trials, 1, most)

@@ -114,7 +114,7 @@ def error_row(job: Job, configuration: str, error: str, *, wall_s: float = 0.0) 
     """The row of a trial that the harness could not carry out."""
     return Row(
         instruction="",
-        scene=job.task.name,
+        scene=job.task.scene,
         seed=job.seed,
         configuration=configuration,
         brain=job.settings.brain,

@@ -16,6 +16,7 @@ from typing import Any
 
 from bench.bare_ratio import MotionMeter
 from bench.job import Job
+from bench.mishaps import UnluckyRobot, changed_scene
 from bench.row import Row, error_row, row_of
 from bench.shared_walk import SharedWalk
 from bench.shared_world import SharedWorld, SharingPerceiver
@@ -131,12 +132,16 @@ class _Shared:
         from tools.open_world import open_world
 
         self.job = job
-        self.instruction = instruction_of(job.task.name, job.seed)
+        scene, mishap = job.task.scene, job.task.mishap
+        self.instruction = instruction_of(scene, job.seed)
+        change = changed_scene(mishap)
         self.world = SharedWorld.of(
-            open_world(job.task.name, job.seed, evaluator=job.settings.evaluator, noise=job.noise),
+            open_world(scene, job.seed, evaluator=job.settings.evaluator, noise=job.noise, change=change),
             rehearsed=job.settings.brain != "rules",
         )
         self.robot = self.world.actor
+        if mishap is not None and change is None:
+            self.robot = UnluckyRobot(self.robot, self.world.world, mishap)
         self._perceivers: dict[str, Any] = {}
         self._walk = SharedWalk()
         self._results: list[tuple[Any, RunResult, bool]] = []
@@ -156,7 +161,7 @@ class _Shared:
         chosen = named(configuration)
         perception = chosen.perception or settings.perception
         agent = build_agent(
-            scene=self.job.task.name, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
+            scene=self.job.task.scene, seed=self.job.seed, brain=settings.brain, perception=settings.perception,
             evaluator=settings.evaluator, configuration=configuration, noise=self.job.noise, base_url=settings.base_url,
             record_brain=settings.record_brain,
             opened=world, perceiver=self._perceiver(perception),

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal, get_args
 
+from bench.mishaps import MISHAPS, MishapName
 from kb.base import Noun
 from kb.errors import BadInputError
 
-SuiteName = Literal["tasks", "clutter", "ood"]
+SuiteName = Literal["tasks", "clutter", "ood", "mishaps"]
 SUITES: tuple[SuiteName, ...] = get_args(SuiteName)
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -23,23 +24,33 @@ GROUPS: dict[str, tuple[str, ...]] = {
 """Tasks of the suite `tasks` by kind (benchmark section 3): SG, IT, LH, and S1 to S4 that never enter the mean."""
 TWELVE = (*GROUPS["single"], *GROUPS["interaction"], *GROUPS["long_horizon"])
 """The tasks of the headline number."""
+BETWEEN = "."
+"""Stands between a mishap and the task that it happens in."""
 CLUTTER_SCENES = 10
 """Scenes of the clutter suite; each of its objects is the target once in each."""
 
 
 class BenchTask(Noun):
-    """One task of a suite. Its scene has its name."""
+    """One task of a suite. Its scene has its name, behind that of a mishap."""
 
     name: str
     suite: str
-    """Suite as it stands in a row: "tasks", "supplementary", "clutter", "ood_in_dist", "ood_near" or "ood_far"."""
+    """Suite as it stands in a row: "tasks", "supplementary", "clutter", "mishaps", "ood_in_dist", "ood_near" or "ood_far"."""
+    mishap: MishapName | None = None
+    """What goes wrong around the first grasp."""
+
+    @property
+    def scene(self) -> str:
+        """Name of its scene."""
+        return self.name if self.mishap is None else self.name.removeprefix(f"{self.mishap}{BETWEEN}")
 
 
 def tasks_of(suite: str, names: Iterable[str] | None = None) -> tuple[BenchTask, ...]:
     """The tasks named, or the suite's default ones: the twelve, all targets of the clutter, or all single objects.
 
     Args:
-        suite: "tasks", "clutter" or "ood" (one object alone: known, or near or far out of distribution).
+        suite: "tasks", "clutter", "ood" (one object alone: known, or near or far out of distribution), or "mishaps" (the
+            twelve again, each with every mishap around its first grasp).
         names: task names and names of groups, in any order; doubles are dropped.
 
     Raises:
@@ -68,6 +79,8 @@ def _groups(suite: str) -> dict[str, tuple[str, ...]]:
         from sim.tasks.ood import ood_groups
 
         return ood_groups()
+    if suite == "mishaps":
+        return {mishap: tuple(f"{mishap}{BETWEEN}{task}" for task in TWELVE) for mishap in MISHAPS}
     return GROUPS if suite == "tasks" else {}
 
 
@@ -80,6 +93,12 @@ def _known(suite: str) -> dict[str, BenchTask]:
     if suite == "ood":
         groups = _groups(suite).items()
         return {name: BenchTask(name=name, suite=f"ood_{group}") for group, names in groups for name in names}
+    if suite == "mishaps":
+        return {
+            name: BenchTask(name=name, suite="mishaps", mishap=mishap)
+            for mishap in MISHAPS
+            for name in _groups(suite)[mishap]
+        }
     return {
         name: BenchTask(name=name, suite="supplementary" if group == "supplementary" else "tasks")
         for group, names in GROUPS.items()

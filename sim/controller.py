@@ -62,8 +62,13 @@ def along(path: Array, seconds: float) -> Array:
     may need a fast joint.
     """
     samples = _along(path, seconds)
-    fastest = float((np.abs(np.diff(samples, axis=0)).max(axis=0) / (TIMESTEP * Q_VELOCITY)).max())
+    fastest = _fastest(samples)
     return samples if fastest <= JOINT_SHARE else _along(path, seconds * fastest / JOINT_SHARE)
+
+
+def _fastest(samples: Array) -> float:
+    """Largest joint speed of samples, as a share of what the joint can do."""
+    return float((np.abs(np.diff(samples, axis=0)).max(axis=0) / (TIMESTEP * Q_VELOCITY)).max())
 
 
 def _along(path: Array, seconds: float) -> Array:
@@ -73,6 +78,28 @@ def _along(path: Array, seconds: float) -> Array:
 def part(path: Array, first: float, last: float, count: int = 13) -> Array:
     """Evenly spaced points (count, 7) of a path (K, 7) between two shares of its length in [0, 1]."""
     return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, np.linspace(first, last, count))
+
+
+def along_steadily(path: Array, seconds: float, ramp: float) -> Array:
+    """As `along`, at one speed but for smooth ramps at both ends, for going where something may be met.
+
+    Args:
+        path: Evenly spaced path points (K, 7).
+        seconds: What it would take at that speed throughout; it takes `ramp` longer.
+        ramp: Time in which it gets up to speed, and in which it comes to rest [s].
+    """
+    samples = _steadily(path, seconds, ramp)
+    fastest = _fastest(samples)
+    return samples if fastest <= JOINT_SHARE else _steadily(path, seconds * fastest / JOINT_SHARE, ramp)
+
+
+def _steadily(path: Array, seconds: float, ramp: float) -> Array:
+    # The integral of a speed that rises from 0 to 1 as the quintic does: half of the ramp is lost at each end.
+    speed = np.ones(steps(seconds + ramp))
+    rise = quintic(min(steps(ramp), len(speed) // 2))
+    speed[: len(rise)], speed[len(speed) - len(rise) :] = rise, rise[::-1]
+    way = np.cumsum(speed)
+    return cubic_spline(np.linspace(0.0, 1.0, len(path)), path, way / way[-1])
 
 
 def along_evenly(path: Array, seconds: float) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kb.grasp import Grasp
 from sim.build_model import TIMESTEP
-from sim.controller import CLOSED, GRIP_COLUMN, along, follow, hold, holding_command, part
+from sim.controller import CLOSED, GRIP_COLUMN, along, along_steadily, follow, hold, holding_command, part
 from sim.grip_test import trial_lift
 from sim.hand import approach_time
 from sim.lower_motion import note_hang
@@ -31,9 +31,9 @@ DEEPEST = 0.02
 """Overlap of the pre-grasp with a perceived box that is still tried [m]: boxes are larger than round or stemmed things."""
 OPTIONS, DETOURS = 5, 3
 """Arm configurations compared by their direct way, and by detours if no direct way is free."""
-CREEPING = 0.025
-"""Peak speed of a creeping hand [m/s]: a fingertip that lands on a phone presses with 76 to 81 N at full speed, 35 to 38 at
-0.04 m/s, 23 to 26 at 0.03 and 16 to 23 at 0.02."""
+CREEPING, CREEP_RAMP = 0.02, 0.1
+"""Speed of a creeping hand [m/s]: a fingertip that lands on a phone presses with 76 to 81 N at full speed, 35 to 38 at
+0.04 m/s, 23 to 26 at 0.03 and 16 to 23 at 0.02. And the time in which it gets up to that speed [s]."""
 FULL_CLOSING, SLOWEST_CLOSING = 15.0, 0.3
 """Force from which the fingers close at their full speed [N], and the least share of that speed: a finger that lands at
 full speed on a stem held with 3.6 N presses with up to 6.1 N for 10 ms."""
@@ -137,7 +137,7 @@ def approach(
         reach: Joint angles of the approach.
         force_limit: Wrist force of the reflex [N].
         creep: Last stretch [m] that the hand goes slowly, where it may land on the thing.
-        creep_speed: Peak speed of that stretch [m/s].
+        creep_speed: Speed of that stretch [m/s].
     """
     samples = approach_samples(grasp, reach, creep, creep_speed)
     seconds = TIMESTEP * len(samples)
@@ -157,7 +157,7 @@ def approach_samples(grasp: Grasp, reach: Reach, creep: float, creep_speed: floa
     if creep <= 0.0 or share < 0.2:
         return along(reach.approach, seconds)
     quick = along(part(reach.approach, 0.0, share), approach_time(grasp.standoff - creep, grasp.speed))
-    slow = along(part(reach.approach, share, 1.0), max(approach_time(creep, 1.0), 15.0 / 8.0 * creep / creep_speed))
+    slow = along_steadily(part(reach.approach, share, 1.0), creep / creep_speed, CREEP_RAMP)
     return np.concatenate([quick, slow])
 
 

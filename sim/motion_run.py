@@ -183,6 +183,8 @@ class MotionRun:
                 way = joints[max(0, nearest - steps(back)) : nearest + 1][::-1]
                 if len(way) > 2:
                     path = way[np.linspace(0, len(way) - 1, 12).astype(int)]
+                    # From where it was told to rest: a jump from there onto its path would press once more, and harder.
+                    path[0] = self.commanded
                     self.run(follow(along(path, max(0.3, len(way) * TIMESTEP)), opening, self.commanded), "retreat")
                 self.note(phase=phase, approach_force=self.fields["abort_force"])
             raise

@@ -110,7 +110,7 @@ class Robot:
             most_force: If given, the first two centimetres are a test lift, and what slips is gripped harder, up to
                 this force per finger [N].
             creep: Last stretch of the approach [m] that is gone slowly, because the hand may land on the thing.
-            creep_speed: Peak speed of that stretch [m/s].
+            creep_speed: Speed of that stretch [m/s].
 
         Raises:
             BadInputError: the hand already holds something.

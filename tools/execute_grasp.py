@@ -20,12 +20,15 @@ ABORT_FORCE = 30.0
 """Wrist force at which the reflex stops the hand [N] (benchmark.md section 3)."""
 CAUTIOUS_FORCE = 5.0
 """The same where pictures are noisy [N]."""
+GUARDED = 0.04
+"""Speed [m/s] with which the hand goes where it may land on something sturdy: a fingertip that meets a cube presses
+with 38 to 42 N then, with 182 to 191 at full speed; on a banana 32 to 40 and 77 to 87."""
 LANDING = 50.0
-"""Force with which a fingertip lands on a flat thing at full speed, at least [N]."""
+"""Force that a thing bears on which the hand may land at that speed [N]; half of a wooden block's seldom break below it."""
 STEEP = 0.7
 """Cosine to straight down up to which an approach comes from above."""
 LEAST_CREEP, MOST_CREEP, SEEN_EARLY = 0.015, 0.040, 0.008
-"""Limits of the slow stretch, and how much earlier than the perceived upper side it begins [m]."""
+"""Shortest slow stretch, the longest per unit of noise, and how much earlier than the perceived near side it begins [m]."""
 MOST_OF_STANDOFF = 0.75
 """Share of the stand-off that is gone slowly at most."""
 LIFT_PEAK = 0.87
@@ -74,23 +77,31 @@ def execute_grasp(args: ExecuteArgs, context: ToolContext) -> Sensing:
         if args.plan.own_force is not None
         else trial_lift_cap(target, args.plan.region, weigh=args.weigh),
         creep=creep(args.plan, target, args.percept.noise),
-        creep_speed=CREEPING / args.percept.noise,
+        creep_speed=creep_speed(target, args.percept.noise),
     )
 
 
 def creep(plan: Plan, target: PerceivedObject, noise: float = 1.0) -> float:
-    """Last stretch of the approach [m] that is gone slowly; 0 for what bears a fingertip landing at full speed.
+    """Last stretch of the approach [m] that is gone slowly, because the hand may land on what is not where it was seen.
 
-    From above it begins before the tips reach the upper side of the thing. The noisier the pictures (`Percept.noise`), the
-    earlier; in pictures with more than ordinary noise anything may be met before it is seen, from the side as well.
+    It begins before the tips reach the near side of the thing. In pictures with more than ordinary noise (`Percept.noise`)
+    anything may be met before it is seen: the noisier, the earlier.
     """
-    grasp, most = plan.grasp, max(target.affordance.fragility, *(target.fragility_range or (0.0,)))
+    grasp = plan.grasp
+    longest = MOST_OF_STANDOFF * grasp.standoff
     if noise > 1.0:
-        return min(MOST_OF_STANDOFF * grasp.standoff, MOST_CREEP * noise)
-    if grasp.approach[2] > -STEEP or maximum_force(most) >= LANDING:
-        return 0.0
-    deep = (target.top_z - grasp.position[2] + TIP_BEYOND_TCP) / -grasp.approach[2]
-    return min(MOST_CREEP, max(LEAST_CREEP, deep + SEEN_EARLY))
+        return min(longest, MOST_CREEP * noise)
+    if grasp.approach[2] <= -STEEP:
+        deep = (target.top_z - grasp.position[2] + TIP_BEYOND_TCP) / -grasp.approach[2]
+    else:
+        deep = max(target.size[:2]) / 2 + TIP_BEYOND_TCP
+    return min(longest, max(LEAST_CREEP, deep + SEEN_EARLY))
+
+
+def creep_speed(target: PerceivedObject, noise: float = 1.0) -> float:
+    """Speed of that stretch [m/s]: slower for what does not bear a fingertip that lands at `GUARDED`."""
+    most = max(target.affordance.fragility, *(target.fragility_range or (0.0,)))
+    return (GUARDED if noise <= 1.0 and maximum_force(most) >= LANDING else CREEPING) / noise
 
 
 def trial_lift_cap(target: PerceivedObject, region: str = "body", *, weigh: bool = False) -> float | None:

@@ -80,7 +80,14 @@ def packed(motions: int, physics: bytes, observed: bytes = b"") -> bytes:
     return zlib.compress(struct.pack("<qq", motions, len(physics)) + physics + observed, level=1)
 
 
-def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", noise: float = 1.0) -> OpenedWorld:
+def open_world(
+    scene: str,
+    seed: int,
+    *,
+    evaluator: EvaluatorName = "mujoco",
+    noise: float = 1.0,
+    change: Callable[[PlacedScene], PlacedScene] | None = None,
+) -> OpenedWorld:
     """Draws the scene with its seed, compiles it, and puts the robot and the observer in.
 
     Args:
@@ -88,6 +95,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
         seed: everything random in the world follows from it.
         evaluator: "mujoco" for contact physics, "analytic" for the paper's kind of simulation.
         noise: scale of the uncertainties: camera noise and calibration, friction and mass.
+        change: what is made of the drawn scene before it is compiled; the agent is told nothing of it.
 
     Raises:
         BadInputError: unknown scene, evaluator, or a scene file that is not valid.
@@ -102,6 +110,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
 
     spec = load_scene(scene)
     placed = dataclasses.replace(draw_scene(spec, seed, noise=noise), noise=noise)
+    placed = placed if change is None else change(placed)
     world, stop = World(placed), StopSwitch()
     if evaluator == "analytic":
         from sim.analytic import AnalyticRobot
@@ -122,7 +131,7 @@ def open_world(scene: str, seed: int, *, evaluator: EvaluatorName = "mujoco", no
         placed=placed,
         world=world,
         stop=stop,
-        reopen=lambda: open_world(scene, seed, evaluator=evaluator, noise=noise),
+        reopen=lambda: open_world(scene, seed, evaluator=evaluator, noise=noise, change=change),
     )
 
 

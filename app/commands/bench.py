@@ -33,7 +33,7 @@ def bench(
         int, typer.Option("--repetitions", metavar="N", help="Repetitions with other seeds.", rich_help_panel=PLAN)
     ] = 1,
     suite: Annotated[
-        str, typer.Option("--suite", metavar="NAME", help="tasks, clutter or ood.", rich_help_panel=PLAN)
+        str, typer.Option("--suite", metavar="NAME", help="tasks, clutter, ood or mishaps.", rich_help_panel=PLAN)
     ] = "tasks",
     noise: Annotated[
         str,
