@@ -197,7 +197,7 @@ def reflect(state: State, runtime: Run) -> Update:
     """Reflection: the correction at the level of the next attempt, or an honest end."""
     context, times = runtime.context, dict[str, float]()
     tries, last = state.tries(), state.attempts[-1]
-    broken = irreversible(last.target, state.camera)
+    broken = irreversible(last.target, state.camera, last.sensing)
     if broken or context.stopped or (len(tries) >= budget(context.switches) and not force_kept(last)):
         why = broken or ("stopped" if context.stopped else phrases.exhausted(tries))
         context.emit(events.Reflection(text=phrases.give_up(why, last), goal=state.current, level=state.level))

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 MishapName = Literal["slippery", "heavy", "nudged", "arm_off", "weak_grip"]
 MISHAPS: tuple[MishapName, ...] = get_args(MishapName)
 
-SLIPPERY = 0.35
+SLIPPERY = 0.5
 """Factor on the friction of the thing to be grasped."""
-HEAVY = 3.0
+HEAVY = 2.0
 """Factor on its mass."""
 NUDGE = (0.03, 0.06)
 """How far it is moved between the look and the grasp [m]."""
