@@ -76,7 +76,8 @@ class UnluckyRobot:
     """
 
     def __init__(self, robot: Any, world: World, mishap: MishapName) -> None:
-        self._robot, self._world, self._mishap = robot, world, mishap
+        self._robot, self._world = robot, world
+        self._mishap: MishapName = mishap
 
     def grasp(self, grasp: Grasp, **options: Any) -> Sensing:
         """As `sim.robot.Robot.grasp`."""

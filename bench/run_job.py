@@ -156,7 +156,8 @@ class _Shared:
         # Every configuration begins at the same bits, the first one too.
         world.begin()
         looks, motions = world.shared_looks, world.shared_motions
-        meter = MotionMeter(self.robot, world.world, self.job.measure)
+        # A mishap changes the world on its own: the same steps cannot be made bare.
+        meter = MotionMeter(self.robot, world.world, self.job.measure and self.job.task.mishap is None)
         world.actor = meter
         chosen = named(configuration)
         perception = chosen.perception or settings.perception

@@ -24,6 +24,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
 """Tasks of the suite `tasks` by kind (benchmark section 3): SG, IT, LH, and S1 to S4 that never enter the mean."""
 TWELVE = (*GROUPS["single"], *GROUPS["interaction"], *GROUPS["long_horizon"])
 """The tasks of the headline number."""
+MISHAP_SUITE: SuiteName = "mishaps"
 BETWEEN = "."
 """Stands between a mishap and the task that it happens in."""
 CLUTTER_SCENES = 10
@@ -79,7 +80,7 @@ def _groups(suite: str) -> dict[str, tuple[str, ...]]:
         from sim.tasks.ood import ood_groups
 
         return ood_groups()
-    if suite == "mishaps":
+    if suite == MISHAP_SUITE:
         return {mishap: tuple(f"{mishap}{BETWEEN}{task}" for task in TWELVE) for mishap in MISHAPS}
     return GROUPS if suite == "tasks" else {}
 
@@ -93,9 +94,9 @@ def _known(suite: str) -> dict[str, BenchTask]:
     if suite == "ood":
         groups = _groups(suite).items()
         return {name: BenchTask(name=name, suite=f"ood_{group}") for group, names in groups for name in names}
-    if suite == "mishaps":
+    if suite == MISHAP_SUITE:
         return {
-            name: BenchTask(name=name, suite="mishaps", mishap=mishap)
+            name: BenchTask(name=name, suite=MISHAP_SUITE, mishap=mishap)
             for mishap in MISHAPS
             for name in _groups(suite)[mishap]
         }

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from agent.configuration import CONFIGURATIONS
-from bench.suite import GROUPS, TWELVE
+from bench.suite import GROUPS, MISHAP_SUITE, TWELVE
 from bench.trial import CORE_SUITE, Trial, in_order
 
 CATEGORIES: dict[str, tuple[str, ...]] = {
@@ -66,11 +66,13 @@ class Results:
         return [t for t in own if is_core(t) and t.task in wanted]
 
     def samples(self, configuration: str) -> list[Sample]:
-        """A configuration's trials; where they fail seldom, also those of every noise, and those of all configurations."""
+        """A configuration's trials; where they fail seldom, also those of every noise, with mishaps, and of all configurations."""
         found = [Sample("", configuration, self.of(configuration))]
         if len(self.noises) > 1:
             noisy = [trial for level in self.noises for trial in self.of(configuration, noise=level)]
             found.append(Sample("_noises", f"{configuration}, noise {self.noises[0]:g} to {self.noises[-1]:g}", noisy))
+        if unlucky := self.of_suite(configuration, MISHAP_SUITE):
+            found.append(Sample("_mishaps", f"{configuration}, mishaps", unlucky))
         own = [name for name in self.configurations if not _is_told(name)]
         if len(own) > 1:
             every = [trial for name in own for trial in self.of(name)]

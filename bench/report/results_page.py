@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from bench import agreement
-from bench.report import contrasts, diagnosis, noise, paper, predictions, recovery, runs, safety, success
+from bench.report import contrasts, diagnosis, mishaps, noise, paper, predictions, recovery, runs, safety, success
 from bench.report.chart_parts import ladder_chart
 from bench.report.chart_success import noise_chart, success_chart
 from bench.report.findings import findings, silent
@@ -19,6 +19,7 @@ from bench.report.recovery import subgoals
 from bench.report.results import CATEGORIES, Results, solved
 from bench.report.table import Table
 from bench.report.value import Content, Count, Number
+from bench.suite import MISHAP_SUITE
 from bench.trial import Trial
 
 CLUTTER_WANTED, CLUTTER_TRIALS = 102, 120
@@ -57,6 +58,8 @@ def targets(results: Results) -> list[Target]:
         # Where hardly a first attempt fails, only more noise can show what recovery is worth.
         where = "" if level == results.noise else f" at noise {level:g}"
         found.append(_count(f"recovered sub-goals{where}", _recovered(results.of("full", noise=level)), 75.0))
+    if results.of_suite("full", MISHAP_SUITE):
+        found.append(_count("recovered sub-goals after mishaps", mishaps.recovered(results), 75.0))
     if trials:
         damage = 100 * sum(t.damage_events for t in trials) / len(trials)
         found.append(Target("damage events per 100 trials", "≤ 1", Number(damage), damage <= 1.0))
@@ -159,7 +162,7 @@ def _tables(
     results: Results, aims: Sequence[Target], analytic: Sequence[Trial], retrieval: Mapping[str, Any] | None
 ) -> list[Table]:
     return [
-        target_table(aims), *success.tables(results), *contrasts.tables(results), *recovery.tables(results),
+        target_table(aims), *success.tables(results), *contrasts.tables(results), *recovery.tables(results), *mishaps.tables(results),
         *predictions.tables(results), *safety.tables(results), *diagnosis.tables(results), *noise.tables(results),
         *([agreement.table(results.all, analytic)] if analytic else []),
         *(success.tables(Results(analytic))[:2] if analytic else []), *paper.tables(results, retrieval),

@@ -9,13 +9,14 @@ from bench.report.results import CATEGORIES, Results, solved
 from bench.report.table import Table
 from bench.report.value import Content, Count, MeanSd, Share, Span
 from bench.statistics import Repeated, macro, over_repetitions, trial_weighted, wilson
+from bench.suite import MISHAP_SUITE
 from bench.trial import Trial
 
 
 def tables(results: Results) -> list[Table]:
     """Headline, all cells, repetitions, other suites, and what the rows are."""
     found = [headline(results), per_task(results), repetitions(results)]
-    return found + ([other_suites(results)] if results.others else []) + [legend(results)]
+    return found + ([table] if (table := other_suites(results)).rows else []) + [legend(results)]
 
 
 def legend(results: Results) -> Table:
@@ -125,8 +126,11 @@ def repetitions(results: Results) -> Table:
 
 
 def other_suites(results: Results) -> Table:
-    """Tasks outside the twelve: never part of their mean. Configurations that ran none of them have no column."""
-    suites = dict.fromkeys(suite for suite, _ in results.others)
+    """Tasks outside the twelve: never part of their mean. Configurations that ran none of them have no column.
+
+    Mishaps have a table of their own.
+    """
+    suites = dict.fromkeys(suite for suite, _ in results.others if suite != MISHAP_SUITE)
     names = [
         name for name in results.configurations if any(solved(results.of_suite(name, own, None))[1] for own in suites)
     ]

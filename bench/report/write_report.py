@@ -19,6 +19,7 @@ from bench.report import (
     contrasts,
     diagnosis,
     learning,
+    mishaps,
     noise,
     paper,
     predictions,
@@ -137,7 +138,7 @@ def chapters(results: Results, extras: Extras) -> list[Section]:
                   "registered contrasts in bold, blue where the interval excludes zero.")], contrasts.tables(results)),
         Section("recovery", "Recovery", "", [(ladder_chart(results), "With which attempt sub-goals were solved."),
                 (flow_chart(results), "The sub-goals of full on the ladder: blue flows were solved, orange went on to "
-                 "the next level, red ended unsolved.")], recovery.tables(results)),
+                 "the next level, red ended unsolved.")], [*recovery.tables(results), *mishaps.tables(results)]),
         Section("safety", "Safety and constraints", "", [], safety.tables(results)),
         Section("predictions", "Predictions, forces and habits", "", [], predictions.tables(results)),
         Section("failures", "Failures and diagnosis", "",

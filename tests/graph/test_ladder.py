@@ -108,3 +108,15 @@ def test_toppled_glass_is_not_tried_again() -> None:
     assert irreversible(thing("obj_0", "wine_glass", 0.5, 0.0), fallen) is not None
     assert irreversible(thing("obj_0", "bottle", 0.5, 0.0), fallen) is None
     assert irreversible(thing("obj_0", "wine_glass", 0.5, 0.0), None) is None
+
+
+def test_fragile_things_that_fell_are_not_tried_again() -> None:
+    """What was carried for a second and then lost fell from the height of the lift; what slipped away at once did not."""
+    cup, cube = thing("obj_0", "cup", 0.5, 0.0), thing("obj_0", "cube", 0.5, 0.0)
+    high = Sensing(load_lifted=0.3, load_end=0.0, held_s=2.5)
+    low = Sensing(load_lifted=0.2, load_end=0.0, held_s=0.6)
+    kept = Sensing(load_lifted=0.3, load_end=0.3, held_s=5.0)
+    assert irreversible(cup, None, high) is not None
+    assert irreversible(cube, None, high) is None
+    assert irreversible(cup, None, low) is None
+    assert irreversible(cup, None, kept) is None

@@ -110,6 +110,23 @@ def test_the_reflex_stops_an_approach_into_an_obstacle(cube, scene) -> None:
     assert sensed.min() > 0.1
 
 
+@pytest.mark.parametrize(("creep", "speed", "most"), [(0.0, 0.0, 400.0), (0.06, 0.04, 50.0)])
+def test_the_withdrawal_never_presses_once_more(creep: float, speed: float, most: float, cube, scene) -> None:
+    """A finger that lands on a cube: what follows the reflex presses less than the landing; a guarded one is gentle."""
+    world = World(scene(cube(x=0.5, y=0.1)))
+    keeper, robot = Keeper(world), Robot(world)
+    felt = robot.grasp(from_above(0.5, 0.145, 0.025, math.pi / 2, aperture=0.08), creep=creep, creep_speed=speed or 1.0)
+    assert felt.stopped_by == "force"
+    peaks = {"landing": 0.0, "retreat": 0.0}
+    for record in keeper.kept:
+        rows = record.sensordata[:, world.index.sensors["truth/cube/table"]][:, 1:4]
+        part = "retreat" if record.phase == "retreat" else "landing"
+        ten_ms = np.convolve(np.linalg.norm(rows, axis=1), np.ones(5) / 5, "valid")
+        peaks[part] = max(peaks[part], float(ten_ms.max()))
+    assert peaks["retreat"] < 31.0
+    assert 30.0 < peaks["landing"] < most
+
+
 def test_a_lower_limit_stops_earlier(cube, scene) -> None:
     """With a limit of 8 N the reflex acts at a smaller force than with 30 N."""
     forces = []
