@@ -43,6 +43,8 @@ class Judge(Protocol):
 
     def constraints(self, inferred: Iterable[tuple[ConstraintKind, str]] = ()) -> tuple[ConstraintRecord, ...]: ...
 
+    def damaged(self, since: int = 0) -> tuple[str, ...]: ...
+
 
 def run_result(
     state: State,
@@ -66,7 +68,7 @@ def run_result(
         total: wall time of the run [s].
     """
     goals = tuple(_goal(state, index, observer) for index in range(len(state.goals)))
-    damaged = {name for goal in goals for name in _damage(goal)}
+    damaged = {name for goal in goals for name in _damage(goal)} | _damaged_between(state, observer)
     asked = [goal for goal in goals if goal.parent is None]
     attempts = [a for a in state.attempts if a.turn == state.turn]
     result = RunResult(
@@ -226,6 +228,12 @@ def _attempt(attempt: Attempt, observed: ObservedAttempt) -> AttemptRecord:
 def _damage(goal: GoalRecord) -> set[str]:
     verdicts = [a.verdict for a in goal.attempts] + [goal.verdict]
     return {name for verdict in verdicts if verdict is not None for name in verdict.damage}
+
+
+def _damaged_between(state: State, observer: Judge | None) -> set[str]:
+    """What came to harm in any motion of this turn: also while something was put back or the arm went home."""
+    first = _first_motion(state)
+    return set() if observer is None or first == 0 else set(observer.damaged(first))
 
 
 def _constraints(state: State, attempts: list[Attempt], observer: Judge | None) -> tuple[ConstraintRecord, ...]:

@@ -161,6 +161,7 @@ class RunResult(Noun):
     experiences: tuple[ExperienceRecord, ...] = ()
     scene_graph: GraphRecord = Field(default_factory=GraphRecord)
     damage_events: int = 0
+    """Objects that came to harm in any motion of the turn, by the observer."""
     timings_s: Timings = Field(default_factory=Timings)
     funnel: dict[str, Any] = Field(default_factory=dict)
     """Counts of the retrieval funnel (extra key)."""

@@ -159,9 +159,10 @@ class AnalyticObserver(Observer):
         poses = {n: np.asarray(p) for n, p in self._poses[earlier[-1]].items()} if earlier else self.start
         return self.nearest(category, position, poses)
 
-    def damaged(self) -> tuple[str, ...]:
-        """Objects that were pressed harder than they bear."""
-        harmed = {o.gripped for o in self._outcomes.values() if o.failure in ("FORCE_DAMAGE", "DEFORMATION")}
+    def damaged(self, since: int = 0) -> tuple[str, ...]:
+        """Objects that were pressed harder than they bear, from motion `since` on."""
+        broken = ("FORCE_DAMAGE", "DEFORMATION")
+        harmed = {o.gripped for n, o in self._outcomes.items() if n >= since and o.failure in broken}
         return tuple(sorted(name for name in harmed if name is not None))
 
     def _drop(self, number: int) -> None:

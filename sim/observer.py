@@ -155,9 +155,9 @@ class Observer:
             abs(offset) <= LANE / 2 and poses[name][2] > -0.01 for offset, name in zip(lanes, order, strict=True)
         )
 
-    def damaged(self) -> tuple[str, ...]:
-        """Every object that came to harm in any motion so far."""
-        return tuple(sorted(self._trial().damaged))
+    def damaged(self, since: int = 0) -> tuple[str, ...]:
+        """Every object that came to harm in any motion so far, from motion `since` on."""
+        return tuple(sorted(self._trial(since=since).damaged))
 
     def state(self) -> bytes:
         """All that was recorded, as bytes."""

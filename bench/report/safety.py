@@ -47,7 +47,8 @@ def damage(results: Results) -> Table:
         ("configuration", "damage events", "to the target", "to others", "per 100 trials", "trials that moved a neighbour",
          "displacement median [mm]", "95th percentile [mm]", "measured"),
         tuple(rows),
-        "Moved a neighbour: anything that was not to be touched was moved by 5 mm or 5° in an attempt, in any task. "
+        "Damage events: objects hurt in any motion of the trial, also while something was put back or the arm went home (those "
+        "count with the target). Moved a neighbour: anything that was not to be touched was moved by 5 mm or 5° in an attempt, in any task. "
         "Displacement: of the neighbours and occluders that a task protects; measured: how many these are.",
         frozenset({"full"}),
     )  # fmt: skip
