@@ -80,7 +80,8 @@ def run_result(
         perception=perception,
         evaluator=evaluator,
         executed=state.executed,
-        success=bool(asked) and not state.refused and all(goal.success for goal in asked),
+        # Also what came to harm on the way home or while it was held out: a grasp is judged before that.
+        success=bool(asked) and not state.refused and not damaged and all(goal.success for goal in asked),
         answer=state.answer,
         question=state.question,
         goals=goals,
