@@ -141,9 +141,9 @@ class AnalyticRobot(Robot):
         self._pass(TRANSIT)
         return Sensing(phase="home", sim_time=TRANSIT)
 
-    def handover(self, obstacles: Sequence[Obstacle] = ()) -> Sensing:
+    def handover(self, obstacles: Sequence[Obstacle] = (), *, load: Sequence[Vec3] = ()) -> Sensing:
         """Holds out what is held towards a person and keeps holding it."""
-        del obstacles
+        del obstacles, load
         self.world.attempt += 1
         self._move(OFFER, self.aperture)
         self._pass(TRANSIT)

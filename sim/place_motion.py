@@ -60,8 +60,23 @@ def carried(motion: MotionRun) -> Array | None:
     return np.array([0.0, 0.0, TCP_OFFSET]) + shares[:, None] * way
 
 
-def travel(motion: MotionRun, goal: Array, obstacles: Sequence[Obstacle], phase: Phase, slow: float = 1.0) -> None:
+def travel(
+    motion: MotionRun,
+    goal: Array,
+    obstacles: Sequence[Obstacle],
+    phase: Phase,
+    slow: float = 1.0,
+    shape: Array | None = None,
+) -> None:
     """Free motion to a configuration, around obstacles, with whatever is held.
+
+    Args:
+        motion: The motion.
+        goal: Joint angles to arrive at (7,) [rad].
+        obstacles: What to keep away from.
+        phase: Name of the phase.
+        slow: Velocity scale.
+        shape: Points of what is held in the hand frame (P, 3) [m]; a line to the ground it was taken from, if left out.
 
     Raises:
         HaltedError: "path" if no free path was found.
@@ -71,6 +86,8 @@ def travel(motion: MotionRun, goal: Array, obstacles: Sequence[Obstacle], phase:
         return
     boxes = [*obstacles, *setting_obstacles(motion.world.placed.bin)]
     load = carried(motion)
+    if load is not None and shape is not None and len(shape):
+        load = shape
     if load is not None:
         transit = carry_way(start, goal, boxes, load)
     else:

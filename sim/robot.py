@@ -187,11 +187,16 @@ class Robot:
             motion.note(stopped_by=halted.cause)
         return motion.sensing()
 
-    def handover(self, obstacles: Sequence[Obstacle] = ()) -> Sensing:
-        """Holds out what is held towards a person and keeps holding it."""
+    def handover(self, obstacles: Sequence[Obstacle] = (), *, load: Sequence[Vec3] = ()) -> Sensing:
+        """Holds out what is held towards a person and keeps holding it.
+
+        Args:
+            obstacles: Perceived boxes to keep away from.
+            load: Points of what is held in the hand frame [m], for a way on which it touches nothing.
+        """
         motion = MotionRun(self.world, self.stop)
         try:
-            travel(motion, OFFER, obstacles, "carry", 0.6)
+            travel(motion, OFFER, obstacles, "carry", 0.6, np.asarray(load, float).reshape(-1, 3))
             motion.carry(motion.run(hold(OFFER, motion.grip, 0.3), "hold"))
         except HaltedError as halted:
             motion.note(stopped_by=halted.cause)

@@ -102,7 +102,7 @@ def place_object(args: PlaceArgs, context: ToolContext) -> Sensing:
     """
     boxes = obstacles(args.percept, without=(args.object.id,))
     if args.kind == "hand_over":
-        return context.robot.handover(boxes)
+        return context.robot.handover(boxes, load=load_points(args.object, args.held))
     chosen = choose_place(args, context)
     if chosen is None:
         return Sensing(reachable=False, stopped_by="path", phase="plan", aperture_end=float(context.robot.aperture))

@@ -45,3 +45,34 @@ def test_no_type_of_the_observer_is_in_the_state() -> None:
     """Neither the state's fields nor the checkpoint's types know verdicts."""
     assert not any("erdict" in name or "Observed" in name for _, name in TYPES)
     assert not any("verdict" in name or "observ" in name for name in State.__dataclass_fields__)
+
+
+class Mourner:
+    """An observer that saw something break after the grasps were judged."""
+
+    def __init__(self, honest: Any) -> None:
+        self._honest = honest
+
+    def damaged(self, since: int = 0) -> tuple[str, ...]:
+        """The cube, whatever the motion."""
+        return ("cube",)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._honest, name)
+
+
+def test_what_breaks_after_a_grasp_spoils_the_run() -> None:
+    """Every goal succeeded by itself, but something came to harm in another motion: no success, and it is counted."""
+    agent = build_agent("clear_table", 10_001, perception="oracle")
+    agent.opened.observer = Mourner(agent.opened.observer)
+    result = agent.run("pick up the apple")
+    assert all(goal.success for goal in result.goals)
+    assert result.damage_events == 1
+    assert not result.success
+
+
+def test_what_is_handed_over_touches_nothing_on_the_way() -> None:
+    """Seed 13151: carried as a line instead of in its full width, the phone knocked over the glass on its way out."""
+    result = build_agent("phone_near_wine_glass", 13_151).run("hand me the smartphone, mind the wine glass")
+    assert result.success
+    assert result.damage_events == 0

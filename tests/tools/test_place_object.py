@@ -19,7 +19,7 @@ from tools.open_world import open_perceiver, open_world
 from tools.perceive import PerceiveArgs, perceive
 from tools.place_object import PlaceArgs, choose_place, place_object, set_down_speed
 from tools.plan_grasp import PlanArgs, plan_grasp
-from tools.planning.set_down import SetDown, box_distance, footprint_radius
+from tools.planning.set_down import SetDown, box_distance, footprint_radius, load_points
 
 BIN = ((0.30, 0.425, 0.0), (0.60, 0.675, 0.10))
 
@@ -30,6 +30,10 @@ class Robot(SimpleNamespace):
     def place(self, position: Any, **options: Any) -> Sensing:
         self.placed = (position, options)
         return Sensing(phase="home")
+
+    def handover(self, obstacles: Any, **options: Any) -> Sensing:
+        self.handed = (obstacles, options)
+        return Sensing(phase="hold")
 
 
 def held(seen: PerceivedObject) -> Plan:
@@ -207,3 +211,16 @@ def test_a_hand_fits_beside_what_is_still_to_be_taken() -> None:
     crowded = chosen(seen, percept(small), **narrow, to_take=("n",))
     assert crowded is not None
     assert box_distance(crowded.centre, small) - 0.025 < 0.05
+
+
+def test_what_is_held_out_is_carried_in_its_full_extent() -> None:
+    """The robot is told where the held thing reaches, as for a set-down."""
+    seen, robot = solid("t", "smartphone", 0.5, 0.0), Robot(joints=READY, aperture=0.05)
+    args = PlaceArgs(
+        percept=percept(seen, solid("n", "cube", 0.5, 0.2)), held=held(seen), object=seen, kind="hand_over"
+    )
+    place_object(args, ToolContext(robot=robot))
+    boxes, options = robot.handed
+    assert len(boxes) == 1
+    assert options["load"] == load_points(seen, args.held)
+    assert np.ptp(np.array(options["load"]), axis=0).max() > 0.08
