@@ -28,9 +28,7 @@ def failures(trials: Sequence[Trial]) -> Counter[str]:
 def tables(results: Results) -> list[Table]:
     """Failure types, confusion, honesty, harness errors."""
     found = [breakdown(results), honesty(results)]
-    failing = [name for name in results.configurations if failed_attempts(results.of(name))]
-    if failing:
-        found += [confusion(sample) for sample in results.samples(failing[0])]
+    found += [confusion(sample) for sample in results.telling(lambda trials: bool(failed_attempts(trials)))]
     return found + harness_errors(results)
 
 

@@ -143,13 +143,10 @@ def correction_counts(trials: Sequence[Trial]) -> dict[tuple[str, int], Count]:
 def efficacies(results: Results) -> list[Table]:
     """Success of the next attempt by diagnosed type and level, for `full`, or the first configuration that corrected.
 
-    Where that one corrected seldom, the same at every noise, and of all configurations, says more.
+    Where that one corrected seldom, the same at every noise, with mishaps, and of all configurations, says more.
     """
-    for configuration in results.configurations:
-        if correction_counts(results.of(configuration)):
-            samples = results.samples(configuration)
-            return [_efficacy(sample.suffix, sample.words, correction_counts(sample.trials)) for sample in samples]
-    return []
+    samples = results.telling(lambda trials: bool(correction_counts(trials)))
+    return [_efficacy(sample.suffix, sample.words, correction_counts(sample.trials)) for sample in samples]
 
 
 def _efficacy(suffix: str, words: str, counts: dict[tuple[str, int], Count]) -> Table:

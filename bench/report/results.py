@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from agent.configuration import CONFIGURATIONS
@@ -23,6 +23,10 @@ ORDER = (
     "levels_as_written", "random_in_category", "geometry_only", "oracle_perception", "oracle_phi",
 )  # fmt: skip
 """The paper's seven first, in its order, then the rivals and variants."""
+
+
+EVERY = "_all"
+"""Suffix of the sample of all configurations."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +80,16 @@ class Results:
         own = [name for name in self.configurations if not _is_told(name)]
         if len(own) > 1:
             every = [trial for name in own for trial in self.of(name)]
-            found.append(Sample("_all", "all configurations together; they share many attempts", every))
+            found.append(Sample(EVERY, "all configurations together; they share many attempts", every))
         return found
+
+    def telling(self, tells: Callable[[Sequence[Trial]], bool]) -> list[Sample]:
+        """The samples that tell something, of the first configuration whose own trials do; none if nothing does."""
+        for configuration in self.configurations:
+            found = [sample for sample in self.samples(configuration) if tells(sample.trials)]
+            if any(sample.suffix != EVERY for sample in found):
+                return found
+        return []
 
     def of_suite(self, configuration: str, suite: str, task: str | None = None) -> list[Trial]:
         """Trials of a configuration outside the twelve tasks."""

@@ -57,7 +57,10 @@ def targets(results: Results) -> list[Target]:
     for level in (results.noise, *(more for more in results.noises if more > results.noise)):
         # Where hardly a first attempt fails, only more noise can show what recovery is worth.
         where = "" if level == results.noise else f" at noise {level:g}"
-        found.append(_count(f"recovered sub-goals{where}", _recovered(results.of("full", noise=level)), 75.0))
+        own = results.of("full", noise=level)
+        count = _recovered(own)
+        why = " (no first attempt failed)" if own and count.n == 0 else ""
+        found.append(_count(f"recovered sub-goals{where}{why}", count, 75.0))
     if results.of_suite("full", MISHAP_SUITE):
         found.append(_count("recovered sub-goals after mishaps", mishaps.recovered(results), 75.0))
     if trials:
