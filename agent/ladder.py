@@ -6,6 +6,7 @@ from kb.percept import PerceivedObject
 from kb.run_result import Level
 from kb.sensing import CameraEvidence, Sensing
 from kb.switches import Switches
+from tools.diagnosis.claim import LEAST_LOAD
 
 R_MAX = 3
 """Retries per goal (ledger A4.1); with the first attempt, four."""
@@ -17,8 +18,8 @@ PLAN_LOOKS = 3
 """The same for a thing whose seen shape offers no grasp: one millimetre decides about an apple as wide as the hand opens."""
 BRITTLE = 0.5
 """Things at least this fragile are not tried again once they have fallen over (benchmark section 3: toppling damages)."""
-CARRIED, LEAST_LOAD = 0.3, 0.005
-"""Share of the load after the test lift below which it is gone, and the load below which nothing is carried [kg]."""
+CARRIED = 0.3
+"""Share of the load after the test lift below which it is gone."""
 FRAGILE, FELL_S = 0.3, 1.0
 """Things at least so fragile may be broken after a fall of 5 cm (benchmark section 3). The lift takes 1.3 s: what was lost
 after one of them [s] had been raised by 6 cm at least, what was lost within 0.8 s by at most 2.5 (19 tuning trials)."""
@@ -64,6 +65,6 @@ def irreversible(target: PerceivedObject, camera: CameraEvidence | None, sensing
 
 
 def fell(sensing: Sensing) -> bool:
-    """Whether something was lost from a height: it was carried for a while, and then it was not."""
+    """Whether something was lost from a height of 5 cm or more: it was carried for `FELL_S`, and then it was not."""
     lost = sensing.load_end < max(LEAST_LOAD, CARRIED * sensing.load_lifted)
     return lost and sensing.held_s >= FELL_S

@@ -101,12 +101,12 @@ def make_plan(request: BenchRequest, options: Any) -> BenchPlan:
         BadInputError: unknown names, or numbers out of range.
     """
     from bench.job import MAX_NOISE, MAX_TRIALS, BenchPlan, Settings
-    from bench.suite import CLUTTER_SCENES, tasks_of
+    from bench.suite import CLUTTER_SCENES, MISHAP_SUITE, tasks_of
 
     if options.learn or options.kb:
         what = "the benchmark uses the shipped knowledge base as it is; learning is measured by `python -m bench.learn_study`"
         raise BadInputError(what, where="--config")
-    if request.suite == "mishaps" and options.evaluator == "analytic":
+    if request.suite == MISHAP_SUITE and options.evaluator == "analytic":
         raise BadInputError("mishaps happen in physics alone", where="--evaluator", choices=("mujoco",))
     most = CLUTTER_SCENES if request.suite == "clutter" else MAX_TRIALS
     trials = min(request.trials, most) if request.suite == "clutter" else request.trials

@@ -22,9 +22,9 @@ CAUTIOUS_FORCE = 5.0
 """The same where pictures are noisy [N]."""
 GUARDED = 0.04
 """Speed [m/s] with which the hand goes where it may land on something sturdy: a fingertip that meets a cube presses
-with 38 to 42 N then, with 182 to 191 at full speed; on a banana 32 to 40 and 77 to 87."""
+with 32 to 38 N then, with 182 to 191 at full speed; a banana 32 to 34 and 77 to 87, a screwdriver 43 to 45 and 174 to 221."""
 LANDING = 50.0
-"""Force that a thing bears on which the hand may land at that speed [N]; half of a wooden block's seldom break below it."""
+"""Force that a thing must bear, by its fragility, for the hand to land on it at that speed [N]."""
 STEEP = 0.7
 """Cosine to straight down up to which an approach comes from above."""
 LEAST_CREEP, MOST_CREEP, SEEN_EARLY = 0.015, 0.040, 0.008
